@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp import write_fold
-from origami_nlp.barriers import find_barriers, merge_tree_axes
+from origami_nlp.barriers import find_barriers
 from origami_nlp.chart import landscape
 from origami_nlp.paper import cone, draw_landscape, find_critical_points, find_landscape, find_space
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
@@ -153,8 +153,6 @@ CASES = [
     case(find_landscape, "result", (SCENE, *SCENES)),
     case(find_landscape, "size", (7, 10_000, *WHOLES), "result"),
     case(draw_landscape, "exact", (SCENE, *SCENES)),
-    case(merge_tree_axes, "ax", SCENES, barriers=None),
-    case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),
     case(cone.Cone, "degree", (5, 7, *SEEDS)),
     case(cone.Cone, "rest", NAMES, degree=6),
     case(cone.Cone, "end", NAMES, degree=6),

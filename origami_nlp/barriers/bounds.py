@@ -61,13 +61,12 @@ def bounded(p: Pass, result: MinimaResult, flat: tuple[float, str], level: float
 
     flat: see `flat_bound`.  level: energies that are no more apart are the same.
     """
-    one, two = (result.minima[k - 1] for k in (p.from_state, p.to_state))
+    one, two = (result.minima[k - 1] for k in p.pair)
     if not (len(p.path) or (one.local_dimension and two.local_dimension)):
         return replace(p, known=Known.EXACT, why=RIGID)
     least, why = flat
     across = side_of_flat(np.array(one.fold_angles)) * side_of_flat(np.array(two.fold_angles)) < 0
     if math.isnan(least) or not across or p.known is Known.EXACT:
         return p
-    if p.energy <= least + level:
-        return replace(p, least=least, known=Known.EXACT, why=why)
-    return replace(p, least=least)
+    exact = {"known": Known.EXACT, "why": why} if p.energy <= least + level else {}
+    return replace(p, least=least, **exact)  # type: ignore[arg-type]

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 STAR = 13.0
 """Size of a star [points]."""
-MANY = 12
-"""Minima of a tree beyond which marks are smaller, and only numbers are written."""
 
 
 def draw_barriers(barriers: Barriers) -> Figure:
@@ -47,7 +45,7 @@ def draw_barriers(barriers: Barriers) -> Figure:
     width = max(5.2, min(0.13 * len(result.minima) + 2, 24.0))
     figure = Figure(figsize=(width, 3.7), dpi=110, layout="constrained")
     ax = figure.add_subplot()
-    merge_tree_axes(ax, barriers)
+    _draw_tree(ax, barriers)
     ax.set_ylabel("energy [J]")
     found = [(m.kind, judged(result.origami, m)) for m in result.minima]
     handles = minima_legend(found, STAR, scene is not None and not scene.group.is_trivial)
@@ -57,31 +55,14 @@ def draw_barriers(barriers: Barriers) -> Figure:
     return figure
 
 
-def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
-    """Draw the merge tree of one scene.
-
-    Parameters
-    ----------
-    ax
-        Of matplotlib.
-    barriers
-        Of `find_barriers`.
-
-    Raises
-    ------
-    OptionError
-        If `ax` are no axes of matplotlib, or `barriers` none of `find_barriers`.
-    """
-    from matplotlib.axes import Axes
-
+def _draw_tree(ax: Axes, barriers: Barriers) -> None:
+    """Draw the merge tree of one scene."""
     from origami_nlp.display import INK, label_text, mark_minimum, pass_look
     from origami_nlp.minima import judged
 
-    check_type("ax", ax, Axes)
-    check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
-    verdicts = [judged(barriers.result.origami, m) for m in minima]
-    few = len(minima) <= MANY
+    # with more minima marks are smaller, and only numbers are written
+    few = len(minima) <= 12
     star = STAR if few else 0.6 * STAR
     ax.set_title(label_text(barriers.label), fontsize=9.5)
     if not minima:
@@ -94,18 +75,16 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.annotate(text, at, off, textcoords="offset points", **look)
 
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
-    top = {k + 1: m.energy for k, m in enumerate(minima)}
-    branch: dict[int, tuple[int, ...]] = {k + 1: (k + 1,) for k in range(len(minima))}
-    at = dict(place)
+    top, at = {k: m.energy for k, m in enumerate(minima, start=1)}, dict(place)
+    branch: dict[int, tuple[int, ...]] = {k: (k,) for k in place}
     reach = [m.energy for m in minima] + [j.energy for j in barriers.merges]
     span = max(reach) - min(reach) or 1.0
     written: set[tuple[str, int]] = set()
     for join in barriers.merges:
         one, two = join.first[0], join.second[0]
         x, y = at[one], at[two]
-        for leaf, where in ((one, x), (two, y)):
-            ax.plot([where, where], [top[leaf], join.energy], color=INK, lw=1.2, zorder=1)
-        ax.plot([x, y], [join.energy] * 2, color=INK, lw=1.2, zorder=1)
+        heights = [top[one], join.energy, join.energy, top[two]]
+        ax.plot([x, x, y, y], heights, color=INK, lw=1.2, zorder=1)
         # above the middle of its leaves: passes of one height do not come to lie on a leaf
         leaves = (*branch[one], *branch[two])
         middle = float(np.mean([place[leaf] for leaf in leaves]))
@@ -113,15 +92,14 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
         text = f"{join.energy:.4g}"
         if few and not any((text, leaf) in written for leaf in leaves):
-            if len(leaves) == len(minima):
-                label(text, (middle, join.energy), (0, 7), "center", "bottom", 8.5)
-            else:  # beside the branch that goes on upwards
-                label(text, (middle, join.energy), (-6, 4), "right", "bottom", 8.5)
+            whole = len(leaves) == len(minima)  # else beside the branch that goes on upwards
+            off, side = ((0, 7), "center") if whole else ((-6, 4), "right")
+            label(text, (middle, join.energy), off, side, "bottom", 8.5)
         written |= {(text, leaf) for leaf in leaves}
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, verdicts[k - 1], star)
+        mark_minimum(ax, (place[k], m.energy), m.kind, judged(barriers.result.origami, m), star)
         text, size = (f"#{k}\n{m.energy:.4g}", 8.5) if few else (f"{k}", 6.5)
         label(text, (place[k], m.energy), (0, -8 if few else -5), "center", "top", size)
     ax.set_xlim(-0.6, len(minima) - 0.4)
@@ -136,11 +114,6 @@ def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:
     """Order leaves 1..count so that no branches cross; components that never merge stand side by side."""
     groups = {k: [k] for k in range(1, count + 1)}
     for join in merges:
-        one, two = groups[join.first[0]], groups[join.second[0]]
-        whole = one + two
-        for leaf in whole:
-            groups[leaf] = whole
-    out: list[int] = []
-    for k in range(1, count + 1):
-        out += [leaf for leaf in groups[k] if leaf not in out]
-    return out
+        whole = groups[join.first[0]] + groups[join.second[0]]
+        groups |= dict.fromkeys(whole, whole)
+    return list(dict.fromkeys(leaf for k in range(1, count + 1) for leaf in groups[k]))

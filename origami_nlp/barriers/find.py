@@ -20,7 +20,7 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_until, check_whole
 from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
 from origami_nlp.barriers.graph import passes_over, traced_passes
-from origami_nlp.barriers.passes import Known, both_sides, critical_near
+from origami_nlp.barriers.passes import Known, Pass, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.barriers.walks import Walks
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
@@ -46,24 +46,8 @@ from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import PassGraph, PathDown, find_states
 
-SEARCHING = 0.5
-"""Share of a time limit that the search for minima gets."""
-MINIMA, ON_CURVES, ESCAPES, BETWEEN, SADDLES = (
-    "the search for minima",
-    "passes along traced curves",
-    "escape paths",
-    "ways between minima",
-    "saddles beside paths",
-)
-"""Parts that the time may end."""
 SECONDS = 60.0
 """For ways of each kind, of wall time."""
-MOST_STATES = 12
-"""Minima out of which escape paths go: those of lowest energy, images under symmetries not counted."""
-MOST_SADDLES = 40
-"""Highest states of ways beside which saddles are looked for, those first that the most pairs of minima pass."""
-NEAR = 0.3
-"""Newton finds a saddle within this distance [rad] of the highest state of a way."""
 
 
 def find_barriers(
@@ -129,7 +113,8 @@ def find_barriers(
             )
         stated = stated.of_one_winding
     if result is None:
-        left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
+        # half of a time limit is for paths
+        left = None if seconds is None else 0.5 * max(until - time.monotonic(), 0.0)
 
         def told(starts: int, minima: int, at: object) -> None:
             say(f"{starts} starts, {minima} minima, {at}")
@@ -160,10 +145,9 @@ class _Paths:
         minima = np.array([m.fold_angles for m in result.minima])
         minima = minima.reshape(-1, self._stated.pattern.creases)
         self.minima, self.stopped = self._stated.reduce(minima), False
-        self.posed = canonical_states(
-            self._stated.with_contact(contact), result.origami, self.minima
-        )
-        self.late = [MINIMA] * (result.search.stopped_by == "time")
+        posed = self._stated.with_contact(contact)
+        self.posed = canonical_states(posed, result.origami, self.minima)
+        self.late = ["the search for minima"] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
         self.ways, self.loose = list[PathDown](), list[int]()
         self.traced = PassGraph(self._stated, len(minima), self.minima)
@@ -173,36 +157,35 @@ class _Paths:
         result, posed, on_curves = self.result, self.posed, None
         if not result.minima:
             return Barriers(result, (), (), (*self.late,))
-        if (known := self._in_time(ON_CURVES, lambda: traced_passes(result))) is not None:
+        if (
+            known := self._in_time("passes along traced curves", partial(traced_passes, result))
+        ) is not None:
             on_curves, self.traced = known
         open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
-        left = {k - 1 for p in open_ for k in (p.from_state, p.to_state)}
+        left = {k - 1 for p in open_ for k in p.pair}
         for k, m in enumerate(result.minima if posed.problem.size <= MOST_CREASES else ()):
             if m.local_dimension and (k in left or on_curves is None):
                 self.loose.append(k)
         leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in self.loose}
         self.terrain = Terrain(posed.problem, posed.minima, leaving=leaving)
         for part, find in (
-            (BETWEEN, self._between),
-            (ESCAPES, self._escapes),
-            (SADDLES, self._over_saddles),
+            ("ways between minima", self._between),
+            ("escape paths", self._escapes),
+            ("saddles beside paths", self._over_saddles),
         ):
-            self._in_time(part, partial(self._add, find))
-        ways = [
-            w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
-        ]
+            self._in_time(part, lambda find=find: self.ways.extend(find()))  # type: ignore[misc]
+        each = ((w, posed.back(w.states), posed.unit * w.energy) for w in self.ways)
+        ways = [w._replace(states=states, energy=energy) for w, states, energy in each]
         whole = passes_over(result, self.traced.with_ways(ways))
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
         curved = on_curves.passes if on_curves else ()
-        before = {(p.from_state, p.to_state): p for p in curved}
-        passes, bound = [], flat_bound(posed.problem)
-        bound = posed.unit * bound[0], bound[1]
+        before = {p.pair: p for p in curved}
+        passes, (least, reason) = list[Pass](), flat_bound(posed.problem)
         for p in whole.passes:
-            was = before.get((p.from_state, p.to_state))
-            if was is not None and (was.every or was.energy <= p.energy + level):
-                p = was
-            passes.append(bounded(p, result, bound, level))
+            was = before.get(p.pair, p)
+            p = was if was.every or was.energy <= p.energy + level else p
+            passes.append(bounded(p, result, (posed.unit * least, reason), level))
         found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
         return replace(found, result=self._with_escapes(found.matrix(), energies, level))
 
@@ -220,9 +203,6 @@ class _Paths:
                 escape = Escape(barrier, BOUND, SHOWN, to + 1, (), barrier < SHALLOW * scale)
                 listed[k] = replace(listed[k], escape=escape)
         return replace(self.result, minima=tuple(listed))
-
-    def _add(self, find: Callable[[], Iterator[PathDown]]) -> None:
-        self.ways.extend(find())
 
     def _in_time(self, part: str, work: Callable[[], object]) -> Any:
         """Do a part of the work for `SECONDS` at most, and note if the time ended it."""
@@ -247,7 +227,8 @@ class _Paths:
         terrain, moves = self.terrain, self.posed.moves
         alike = [sorted({terrain.listed(m(y)) for m in moves}) for y in terrain.minima]
         # minima are in order of energy
-        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:MOST_STATES]
+        # out of those of lowest energy, images under symmetries not counted
+        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:12]
         for k, found in escape_paths_of_each(terrain, first):
             for way in found:
                 if way.to < 0:
@@ -279,7 +260,8 @@ class _Paths:
         begun = self.traced  # under other labels curves are others: no saddle is looked for there
         if self.posed.labels is not None:
             begun = PassGraph(terrain.problem, len(terrain.minima), terrain.minima)
-        while len(tried) < MOST_SADDLES:
+        # beside those first that the most pairs of minima pass
+        while len(tried) < 40:
             graph = begun.with_ways(self.ways)
             merges = sorted(graph.tree.merges, key=lambda m: -len(m.first) * len(m.second))
             tops = (graph.states[graph.top(merge.edge)] for merge in merges)
@@ -287,7 +269,8 @@ class _Paths:
             if top is None:
                 return
             tried.add(top.tobytes())
-            for one in critical_near(terrain.problem, top[None], NEAR):
+            # within 0.3 rad of the highest state of a way
+            for one in critical_near(terrain.problem, top[None], 0.3):
                 if not any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in known):
                     known.append(one.x)
                     for states, to in both_sides(terrain, one):

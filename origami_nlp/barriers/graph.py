@@ -32,12 +32,12 @@ def passes_over(
     """
     pairs = itertools.combinations(range(found.minima), 2)
     passes = tuple(_between(found, i, j, why) for i, j in pairs)
-    kinds = {(p.from_state - 1, p.to_state - 1): p for p in passes}
+    kinds = {p.pair: p for p in passes}
     merges = []
     for merge in found.tree.merges:
-        one = kinds[min(merge.first[0], merge.second[0]), max(merge.first[0], merge.second[0])]
-        sides = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
-        merges.append(Join(one.energy, one.pass_kind, *sides))
+        first, second = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
+        one = kinds[min(first[0], second[0]), max(first[0], second[0])]
+        merges.append(Join(one.energy, one.pass_kind, first, second))
     return Barriers(result, passes, tuple(merges))
 
 

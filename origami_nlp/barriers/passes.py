@@ -91,6 +91,16 @@ class Pass(ShortRepr):
     every: bool = False
     least: float = math.nan
 
+    @property
+    def pair(self) -> tuple[int, int]:
+        """Numbers of the minima on either side."""
+        return self.from_state, self.to_state
+
+    @property
+    def name(self) -> str:
+        """How reports call it."""
+        return f"#{self.from_state} - #{self.to_state}"
+
 
 @dataclass(frozen=True)
 class Critical:
@@ -150,16 +160,14 @@ def critical_at(state: State) -> Critical | None:
     model, x = state.problem, state.x
     judged = [judge_branch(state.on(rows)) for rows in state.pieces]
     size = 1.0 + float(np.abs(state.gradient).max())
-    residual = max(b.multipliers.residual for b in judged) / size
-    residual = max(residual, state.residual)
+    residual = max(max(b.multipliers.residual for b in judged) / size, state.residual)
     if residual > BALANCED:
         return None
     index, direction = 0, None
     for b in judged:
         scale = max(NONZERO, float(np.abs(b.eigenvalues).max(initial=0.0)))
-        below = int((b.eigenvalues < -CURVED * scale).sum())
-        if below >= index:
-            # where pieces meet the largest index counts: down on one of them is down
+        # where pieces meet the largest index counts: down on one of them is down
+        if (below := int((b.eigenvalues < -CURVED * scale).sum())) >= index:
             index, direction = below, b.direction
     if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= DUPLICATE_TOL else "singular"

@@ -31,8 +31,6 @@ from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
 
-MOST_NAMED = 4
-"""Minima whose barriers the verdict names."""
 MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
@@ -170,11 +168,11 @@ class Barriers(Report, Viewable):
         """The passes as tables, frames and CSV have them."""
         rows = []
         for p in self.passes:
-            one, two = self._energies(p)
             least = None if math.isnan(p.least) else p.least
             kind = "no path" if math.isinf(p.energy) and p.known is Known.EXACT else p.pass_kind
-            numbers, rises = (p.from_state, p.to_state), (p.energy - one, p.energy - two)
-            rows.append(PassRow(self.label, *numbers, *rises, p.energy, least, kind, p.known.value))
+            one, two = self._energies(p)
+            rises, known = (p.energy - one, p.energy - two), p.known.value
+            rows.append(PassRow(self.label, *p.pair, *rises, p.energy, least, kind, known))
         return rows
 
     def table(self) -> Table:
@@ -188,21 +186,19 @@ class Barriers(Report, Viewable):
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
         known = []
         for k, m in enumerate(self.result.minima, start=1):
-            mine = [p for p in self.passes if k in (p.from_state, p.to_state)]
+            mine = [p for p in self.passes if k in p.pair]
             if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
                 near = least.energy / (1 + SAME_ENERGY)
-                sure = least.known is Known.EXACT and (
-                    least.every
-                    or all(p.known is Known.EXACT or self._floor(p) >= near for p in mine)
-                )
+                above = (p.known is Known.EXACT or self._floor(p) >= near for p in mine)
+                sure = least.known is Known.EXACT and (least.every or all(above))
                 known.append((least.energy - m.energy, "" if sure else "at most ", k))
         known.sort()
         if not known:
             return f"{words}, no pass between minima is known"
-        kept = self.scene is not None and not self.scene.group.is_trivial
+        kept = self.scene is not None and self.scene.is_symmetric
         group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
         said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
-        if len(said) > MOST_NAMED:
+        if len(said) > 4:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
         return f"{words}; it takes {', '.join(said)}{group}"
 
@@ -212,13 +208,13 @@ class Barriers(Report, Viewable):
         frame, frames = partial(state_frame, origami), list[dict[str, Any]]()
         for p in self.passes:
             if len(p.path):
-                title = f"path {p.from_state} to {p.to_state}"
+                title = "path {} to {}".format(*p.pair)
                 frames += path_frames(frame, p.path, p.path_energy, title)
         return states_to_fold(origami, frames)
 
     def _energies(self, p: Pass) -> tuple[float, float]:
         """Return the energies of the minima on either side of a pass."""
-        one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
+        one, two = (self.result.minima[k - 1].energy for k in p.pair)
         return one, two
 
     def _floor(self, p: Pass) -> float:
@@ -235,7 +231,7 @@ class Barriers(Report, Viewable):
             yield f"... {len(rest):,} more pairs: --verbose, or -o FILE.json"
         reasons: dict[str, list[str]] = {}
         for p in self.passes:
-            reasons.setdefault(p.why, []).append(f"#{p.from_state} - #{p.to_state}")
+            reasons.setdefault(p.why, []).append(p.name)
         for why, pairs in reasons.items():
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
@@ -246,19 +242,15 @@ class Barriers(Report, Viewable):
             signs = PopSigns(self.result.pattern)
             for p in self.passes:
                 for vertex, _ in signs.crossed(p.path):
-                    pair = f"#{p.from_state} - #{p.to_state}"
-                    yield f"alarm: {pair}: facets cross round vertex {vertex} on the path, which is none of paper"
-        places = [
-            f"{p.from_state} - {p.to_state}: "
-            + " ".join(f"{a:.2f}" for a in np.round(np.degrees(p.fold_angles), 2) + 0.0)
-            for p in self.passes
-            if p.fold_angles
-        ]
+                    yield f"alarm: {p.name}: facets cross round vertex {vertex} on the path, which is none of paper"
         further = [record_table(rest, "further pairs", narrow=True)] if rest else []
-        if places:
-            yield Details(
-                (*further, "fold angles at the passes [deg]", *places), "Where passes are"
-            )
+        places = ["fold angles at the passes [deg]"]
+        for p in self.passes:
+            if p.fold_angles:
+                angles = np.round(np.degrees(p.fold_angles), 2) + 0.0
+                places.append(f"{p.name}: {' '.join(f'{a:.2f}' for a in angles)}")
+        if len(places) > 1:
+            yield Details((*further, *places), "Where passes are")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for row, p in zip(self.rows, self.passes, strict=True):
@@ -269,10 +261,8 @@ class Barriers(Report, Viewable):
         content, poser, tracks = self.result.view_content(), Poser(self.result.origami), []
         joined = [p for p in self.passes if math.isfinite(p.energy) and len(p.path) > 1]
         for p in sorted(joined, key=lambda p: p.energy):
-            title = (
-                f"{p.from_state} → {p.to_state} over the pass at {p.energy:.6g} J ({p.pass_kind})"
-            )
-            start, end = p.from_state - 1, p.to_state - 1
+            start, end = (k - 1 for k in p.pair)
+            title = f"{start + 1} → {end + 1} over the pass at {p.energy:.6g} J ({p.pass_kind})"
             tracks.append(poser.track(title, p.path, p.path_energy, start=start, end=end))
         pieces = (*self.report_sections(), *content.pieces)
         return replace(content, tracks=(*content.tracks, *tracks), pieces=pieces)

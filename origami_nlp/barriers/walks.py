@@ -15,13 +15,6 @@ import numpy as np
 from origami_nlp.escapes import Move, Terrain, down_to, number_of
 from origami_nlp.numerics import OUTSIDE, groups
 
-NEAREST = 8
-"""Other minima that walks from a minimum lead to, while no way to them is known."""
-MOST_DESCENTS = 60
-"""From where walks meet contact, in all."""
-PLACES = 6
-"""Decimals of distances that are compared: more are rounding."""
-
 
 class Walks:
     """Walks from minima, and what they have joined.
@@ -47,7 +40,8 @@ class Walks:
     ) -> None:
         self.terrain, self.minima, self.joined = terrain, terrain.minima, list(joined)
         self._moves, self._nodes = moves, np.array([*self.minima, *tops])
-        self._sides, self._descents = terrain.sides(self._nodes), MOST_DESCENTS
+        # so many from where walks meet contact, in all
+        self._sides, self._descents = terrain.sides(self._nodes), 60
 
     def ways(self) -> Iterator[tuple[int, int, np.ndarray]]:
         """Yield the number of the minimum that a way begins at, -1 for a top; of that it ends at; its states [S, n]."""
@@ -103,16 +97,15 @@ class Walks:
     def _pairs(self) -> Iterator[tuple[int, int]]:
         """Minima that are not joined, the nearest ones of each, in order of distance."""
         many = len(self.minima)
-        far = np.linalg.norm(self.minima[:, None] - self.minima, axis=2).round(PLACES)
+        # more decimals of distances are rounding
+        far = np.linalg.norm(self.minima[:, None] - self.minima, axis=2).round(6)
         group = groups(len(self._nodes), self.joined)[:many]
         pairs = set()
         for k in range(many):
-            others = [
-                j
-                for j in np.argsort(far[k], kind="stable").tolist()
-                if group[j] != group[k] and not self._differ(k, j)
-            ]
-            pairs |= {(min(k, j), max(k, j)) for j in others[:NEAREST]}
+            nearest = np.argsort(far[k], kind="stable").tolist()
+            others = [j for j in nearest if group[j] != group[k] and not self._differ(k, j)]
+            # walks lead to the nearest ones, while no way to them is known
+            pairs |= {(min(k, j), max(k, j)) for j in others[:8]}
         yield from sorted(pairs, key=lambda pair: (far[pair], pair))
 
     def _down(self, k: int, path: np.ndarray) -> tuple[int, np.ndarray]:

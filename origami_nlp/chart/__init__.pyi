@@ -2,7 +2,6 @@ from .axes import (
     UNIT as UNIT,
     area_axes as area_axes,
     area_legend as area_legend,
-    colour_bar as colour_bar,
     draw_area as draw_area,
     draw_curves as draw_curves,
     norm_of as norm_of,

@@ -14,7 +14,6 @@ from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
-from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.chart.boundary import Boundary
 from origami_nlp.chart.chart import Chart, chart_limits, chart_of
@@ -87,7 +86,7 @@ def draw_area(
     for one in boundary.lines if boundary else ():
         if one.branch in branches and not one.hidden:
             look: dict[str, Any] = {"color": INK, "linewidth": line}
-            look = HANDLE | {"linewidth": 1.9 * line} if one.thin else look
+            look = HANDLE | {"lw": 1.9 * line} if one.thin else look
             axes.plot(*one.points.T, **{"zorder": 3} | look, clip_on=False, snap=False)
     area_axes(axes, whole)
     return image
@@ -130,7 +129,7 @@ def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) 
     if boundary:
         entries.append(Line2D([], [], color=INK, linewidth=line, label="contact"))
         if any(each.thin for each in boundary.lines):
-            entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
+            entries.append(Line2D([], [], **HANDLE | {"lw": 1.9 * line}, label="1-handle"))
     white = WHITE[chart.scene.contact]
     return [*entries, patch("white", f"{white}, or stops" if chart.scene.limits else white)]
 
@@ -228,13 +227,6 @@ def curve_name(chart: Landscape, k: int) -> str:
     middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
     letters = "".join("−VM"[int(np.sign(np.round(phi, 6)))] for phi in middle)
     return f"{letters} for φ{subscript(crease)} {'>' if towards > 0 else '<'} 0"
-
-
-def colour_bar(image: Any, axes: Any) -> None:
-    """Draw the energy scale of an image into its own Axes."""
-    bar = axes.figure.colorbar(image, cax=axes)
-    bar.set_label(f"energy U [{UNIT}]")
-    bar.ax.yaxis.set_major_locator(MaxNLocator(7))
 
 
 def coordinate_label(name: str) -> str:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import group_average
+from origami_nlp.minima import symmetry_blocks
 from origami_nlp.numerics import BALANCED
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
@@ -36,12 +36,7 @@ def breaking_stiffnesses(
     held = _loaded(state, contacts)
     if held is None:
         return (math.nan,)
-    z = held.tangent
-    # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
-    share, vectors = np.linalg.eigh(z.T @ group_average(scene) @ z)
-    breaking = z @ vectors[:, share <= 0.5]
-    values = np.linalg.eigvalsh(breaking.T @ held.hessian @ breaking) * state.problem.scale
-    return tuple(values.tolist())
+    return symmetry_blocks(scene, held.tangent, held.hessian, state.problem.scale)[1]
 
 
 def _loaded(state: State, contacts: tuple[Contact, ...] | None) -> Stratum | None:

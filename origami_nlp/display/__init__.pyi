@@ -9,7 +9,6 @@ from .bodies import (
 )
 from .crease_figure import draw_creases as draw_creases, draw_pattern as draw_pattern
 from .flags import Flags as Flags, FlagText as FlagText
-from .html import inline_image as inline_image
 from .interactive import (
     InteractivePage as InteractivePage,
     Viewable as Viewable,
@@ -17,7 +16,11 @@ from .interactive import (
     page_data as page_data,
 )
 from .labels import label_marks as label_marks
-from .painter import crease_legend as crease_legend, draw_state as draw_state
+from .painter import (
+    crease_legend as crease_legend,
+    draw_state as draw_state,
+    line_scale as line_scale,
+)
 from .papers import pattern_view as pattern_view
 from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
 from .records import (
@@ -27,11 +30,13 @@ from .records import (
 )
 from .result import Result as Result, angle_columns as angle_columns, read_data as read_data
 from .springs import Spring as Spring, springs_of as springs_of
-from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,
-    StatesDrawn as StatesDrawn,
+    WIDTH as WIDTH,
+    add_heading as add_heading,
+    cell_size as cell_size,
     draw_states as draw_states,
+    lay_out_states as lay_out_states,
 )
 from .style import (
     BAND as BAND,
@@ -71,7 +76,6 @@ from .table import (
 from .text import (
     angle_ticks as angle_ticks,
     label_text as label_text,
-    short_label as short_label,
     subscript as subscript,
 )
 from .touches import contact_places as contact_places

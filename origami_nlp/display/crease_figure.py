@@ -27,8 +27,6 @@ LOOKS: dict[str, tuple[str, str, Any, float]] = {
     "?": ("no mountain, no valley", "#8a8a8a", (0, (1, 1.6)), 1.2),
 }
 """Name, colour, dashes and width of the lines of each letter; others look like ``?``."""
-MOST_NUMBERS = 150
-"""Vertices whose numbers are written; more could not be read."""
 
 
 def draw_creases(
@@ -91,18 +89,19 @@ def draw_pattern(frame: Frame, *, axes: Axes | None = None) -> Figure:
         )
     xy = frame.coords[:, :2]
     extent = np.ptp(xy, axis=0)
-    if axes is None:
+    here = axes
+    if here is None:
         height = float(np.clip(6.0 * extent[1] / max(extent[0], NONZERO), 2.0, 9.0))
-        figure = Figure(figsize=(6.0, height + 0.5), layout="constrained")
-        here = figure.add_subplot()
-    else:
-        here, figure = axes, axes.get_figure(root=True)  # type: ignore[assignment]
+        here = Figure(figsize=(6.0, height + 0.5), layout="constrained").add_subplot()
+    figure: Any = here.get_figure(root=True)
     handles = draw_creases(here, xy, frame.edges, frame.assignment)
     numbers = [v.number for v in fold_vertices(frame)[0]]
     around = [withStroke(linewidth=2.5, foreground="white")]
-    for number in numbers if len(numbers) <= MOST_NUMBERS else ():
+    # more numbers could not be read
+    for number in numbers if len(numbers) <= 150 else ():
         x, y = xy[number]
         here.text(x, y, str(number), ha="center", va="center", fontsize=7, path_effects=around)
     if axes is None:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
-    return figure
+    drawn: Figure = figure
+    return drawn

@@ -79,12 +79,6 @@ class Flags(Report):
             out[name] = FlagText(cause, cure)
         return out
 
-    @classmethod
-    def page(cls) -> str:
-        """Return a section of a Markdown page: a row a flag, with cause and cure."""
-        rows = [(f"`{name}`", *reason) for name, reason in cls.reasons().items()]
-        return Table(("flag", "cause", "cure"), rows).markdown()
-
     def table(self) -> Table:
         """Return the flags that are up with cause and cure."""
         rows = [(name, *self.reasons()[name]) for name in self.up]

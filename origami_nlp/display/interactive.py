@@ -12,7 +12,7 @@ import math
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -24,16 +24,7 @@ from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Trajectory
 from origami_nlp.display.table import pieces_html
 from origami_nlp.io import write_whole
 
-MOST_TRACKED = 55_000
-"""Coordinates of states on paths that a page holds, about nine bytes each: longer paths are thinned."""
-FEWEST_STEPS = 12
-MOST_STEPS = 90
-STATE_DIGITS, TRACK_DIGITS = 15, 6
-HEIGHT = 900
-"""Of the page in Jupyter [px]."""
 
-
-@dataclass(frozen=True, repr=False)
 class InteractivePage:
     """One or more results as a page that can be turned.
 
@@ -43,10 +34,8 @@ class InteractivePage:
         What is shown; the reader chooses among several.
     """
 
-    contents: tuple[Content, ...] = field()
-
     def __init__(self, *contents: Content) -> None:
-        object.__setattr__(self, "contents", contents)
+        self.contents = contents
 
     def __repr__(self) -> str:
         names = "; ".join(content.title for content in self.contents)
@@ -54,10 +43,8 @@ class InteractivePage:
 
     def _repr_html_(self) -> str:
         # a frame of its own: several pages in one notebook do not meet
-        look = f"width:100%;height:{HEIGHT}px;border:0"
-        return (
-            f'<iframe style="{look}" srcdoc="{escape(interactive_page(*self.contents))}"></iframe>'
-        )
+        look, page = "width:100%;height:900px;border:0", interactive_page(*self.contents)
+        return f'<iframe style="{look}" srcdoc="{escape(page)}"></iframe>'
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page as one file that needs no network.
@@ -137,20 +124,20 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        One each; nan is None; states to `STATE_DIGITS` decimals, paths thinned and to `TRACK_DIGITS`.
+        One each; nan is None; states to 15 decimals, paths thinned and to 6.
     """
     tracks = [t for c in contents for t in c.tracks]
     width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
-    most = max(FEWEST_STEPS, min(MOST_STEPS, MOST_TRACKED // (width * max(len(tracks), 1))))
+    # at most 55,000 coordinates of states on paths, about nine bytes each: longer paths are thinned
+    most = max(12, min(90, 55_000 // (width * max(len(tracks), 1))))
     return [
         {
             "title": content.title,
             "note": content.note,
             "steps": content.steps,
             "body": {
-                "facets": content.body.facets,
+                **vars(content.body),
                 "creases": [crease._asdict() for crease in content.body.creases],
-                "sectors": content.body.sectors,
             },
             "stations": [_station(station) for station in content.stations],
             "tracks": [_track(track, kept_states(track, most)) for track in content.tracks],
@@ -161,26 +148,20 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
 
 def _plain(array: np.ndarray, digits: int) -> list[Any]:
     """Return rounded numbers, None for nan and inf."""
-    array = np.asarray(array, dtype=float)
-    rounded = (np.round(array, digits) + 0.0).astype(object)
-    rounded[~np.isfinite(array)] = None
-    listed: list[Any] = rounded.tolist()
+    x = np.asarray(array, dtype=float)
+    listed: list[Any] = np.where(np.isfinite(x), np.round(x, digits) + 0.0, np.array(None)).tolist()
     return listed
 
 
 def _folded(state: FoldedBody, digits: int) -> dict[str, Any]:
-    shifts = _plain(state.shifts, 4) if state.shifts.any() else None
-    return {
-        "corners": _plain(state.corners, digits),
-        "angles": _plain(state.fold_angles, digits),
-        "shifts": shifts,
-    }
+    places = {"corners": _plain(state.corners, digits), "angles": _plain(state.fold_angles, digits)}
+    return {**places, "shifts": _plain(state.shifts, 4) if state.shifts.any() else None}
 
 
 def _station(station: Keyframe) -> dict[str, Any]:
     return {
         "title": station.title,
-        **_folded(station.folded, STATE_DIGITS),
+        **_folded(station.folded, 15),
         "energy": station.folded.energy,
         "view": _plain(station.view, 6),
         "marks": [asdict(mark) for mark in station.marks],
@@ -189,12 +170,15 @@ def _station(station: Keyframe) -> dict[str, Any]:
 
 
 def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
+    label, unit = track.label, 1.0
+    if label.endswith("[rad]"):
+        label, unit = label.removesuffix("[rad]") + "[deg]", math.degrees(1)
     return {
         "title": track.title,
-        "label": _in_degrees(track.label)[0],
+        "label": label,
         "of": len(track.states),
-        "parameter": (track.parameter[kept] * _in_degrees(track.label)[1]).tolist(),
-        "states": [_folded(track.states[k], TRACK_DIGITS) for k in kept],
+        "parameter": (track.parameter[kept] * unit).tolist(),
+        "states": [_folded(track.states[k], 6) for k in kept],
         "energy": [track.states[k].energy for k in kept],
         "view": _plain(track.view, 6),
         "start": track.start,
@@ -223,10 +207,3 @@ def kept_states(track: Trajectory, most: int) -> np.ndarray:
     even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)
     top = int(np.argmax([state.energy for state in track.states]))
     return np.unique([0, *even.tolist(), top, len(s) - 1])
-
-
-def _in_degrees(label: str) -> tuple[str, float]:
-    """Return the label of an axis with degrees for radians, and what its values are multiplied by."""
-    if label.endswith("[rad]"):
-        return label.removesuffix("[rad]") + "[deg]", math.degrees(1)
-    return label, 1.0

@@ -45,16 +45,8 @@ if TYPE_CHECKING:
 
 PIXELS = 1_000
 """Of the longer side of the painted picture."""
-PIECE = 0.004
-"""Lines are cut into pieces of this share of the picture, each seen or hidden."""
 DASH, PERIOD = 0.014, 0.022
 """Of valleys, as shares of the picture."""
-LAYER = 1e-5
-"""Of layers that lie on each other within this share of the picture, the first is shown."""
-MOST_ORDERED = 400
-"""Polygons up to which layers are ordered for a picture."""
-BEFORE = 4e-3
-"""A line hides only behind what is nearer by more than this share of the picture."""
 BEYOND, APART = 0.13, 0.17
 """Of the number of a crease, its distance from the end, and from other numbers [of the longest crease]."""
 
@@ -132,7 +124,7 @@ def draw_state(
         axes.text(x, y, str(k + 1), fontsize=size, color=_look(float(phi[k]))[0], **around)
     if len(contacts):
         mark_touches(axes, view, contact_places(pattern, phi, contacts), contacts)
-    axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
+    axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal", xticks=[], yticks=[])
     axes.axis("off")
 
 
@@ -196,7 +188,8 @@ def _paint(
     picture = np.zeros((shape[1], shape[0], 4), np.float32)
     nearest = np.full((shape[1], shape[0]), -np.inf, np.float32)
     top = np.full((shape[1], shape[0]), -1)
-    near = LAYER * step * PIXELS
+    # of layers that lie on each other within this the first is shown
+    near = 1e-5 * step * PIXELS
     for x, own, tint in zip(pieces, polygon, tinted, strict=True):
         normal = area_of(x)
         normal /= np.linalg.norm(normal)
@@ -227,7 +220,8 @@ def _paint(
 def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
     """Return which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
     above = np.zeros((len(corners) + 1, len(corners)), bool)
-    if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
+    # of more polygons layers are not ordered for a picture
+    if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > 400:
         return above
     towards = [area_of(x)[2] for x in corners]
     for f, g, s in order_layers(PatternProblem(pattern), phi).orders:
@@ -248,7 +242,7 @@ def _lines(
             owners.setdefault(side, []).append(k)
             ends.setdefault(side, np.array([x[i - 1], x[i]]))
     lines, looks, shown = [], [], []
-    scale = min(1.0, 12 / math.sqrt(max(len(pattern.polygons), 1)))
+    scale = line_scale(pattern)
     for s, own in owners.items():
         if s not in crease and len(own) > 1:
             continue
@@ -261,6 +255,11 @@ def _lines(
     return lines, looks, shown
 
 
+def line_scale(pattern: Pattern) -> float:
+    """Return by how much lines of a sheet of many facets are thinner."""
+    return min(1.0, 12 / math.sqrt(max(len(pattern.polygons), 1)))
+
+
 def _visible(
     line: np.ndarray, nearest: np.ndarray, low: np.ndarray, step: float, size: float, dashed: bool
 ) -> list[np.ndarray]:
@@ -268,28 +267,24 @@ def _visible(
     length = float(np.linalg.norm(line[1, :2] - line[0, :2]))
     if length == 0.0:
         return []
-    count = max(2, round(length / (PIECE * size)))
     if dashed:  # a whole number of periods, at least two, begun in the middle of a dash
         periods = max(2, round(length / (PERIOD * size)))
         share = DASH / PERIOD
         starts = (np.arange(periods + 1) - 0.5 * share) / periods
         spans = np.clip(np.column_stack([starts, starts + share / periods]), 0.0, 1.0)
     else:
-        grid = np.linspace(0.0, 1.0, count + 1)
+        # pieces of this share of the picture, each seen or hidden
+        grid = np.linspace(0.0, 1.0, max(2, round(length / (0.004 * size))) + 1)
         spans = np.column_stack([grid[:-1], grid[1:]])
     middle = line[0] + spans.mean(axis=1)[:, None] * (line[1] - line[0])
     at = ((middle[:, :2] - low) / step).astype(int)
     rows = np.clip(at[:, 1], 0, nearest.shape[0] - 1)
     columns = np.clip(at[:, 0], 0, nearest.shape[1] - 1)
-    seen = middle[:, 2] + BEFORE * size >= nearest[rows, columns]
-    parts: list[np.ndarray] = []
-    start = None
-    for k, (a, b) in enumerate(spans):
-        if seen[k] and start is None:
-            start = a
-        last = k + 1 == len(spans) or dashed or not seen[k + 1]
-        if start is not None and last:
-            ends = np.array([start, b])[:, None]
-            parts.append((line[0] + ends * (line[1] - line[0]))[:, :2])
-            start = None
-    return parts
+    # a line hides only behind what is nearer by more than this share of the picture
+    seen = middle[:, 2] + 4e-3 * size >= nearest[rows, columns]
+    if dashed:
+        shown = spans[seen]
+    else:  # pieces in a row are one line
+        ends = np.flatnonzero(np.diff([False, *seen, False])).reshape(-1, 2)
+        shown = np.column_stack([spans[ends[:, 0], 0], spans[ends[:, 1] - 1, 1]])
+    return [(line[0] + s[:, None] * (line[1] - line[0]))[:, :2] for s in shown]

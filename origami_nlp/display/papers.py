@@ -10,12 +10,8 @@ import numpy as np
 from origami_nlp.pattern import Pattern, Scene, Vertex
 from origami_nlp.pattern_problem import pose
 
-ARC = math.radians(5)
-"""Of the disc of a vertex, the longest piece of its border."""
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
-CANCELS = 1e-9
-"""Share of all areas below which the areas of facets, as vectors, cancel: their mean normal is rounding."""
 
 
 def triangles_of(origami: Scene | Vertex | Pattern) -> Pattern:
@@ -35,7 +31,8 @@ def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
     for apex, i, j in paper.polygons:
         a, b = paper.corners[i], paper.corners[j]
         sector = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
-        t = np.linspace(0.0, sector, max(2, math.ceil(sector / ARC)) + 1)[1:-1, None]
+        # the border in pieces of 5 degrees
+        t = np.linspace(0.0, sector, max(2, math.ceil(sector / math.radians(5))) + 1)[1:-1, None]
         first = len(corners)
         corners += [*((np.sin(sector - t) * a + np.sin(t) * b) / math.sin(sector))]
         polygons.append((apex, i, *range(first, len(corners)), j))
@@ -63,7 +60,8 @@ def pattern_view(polygons: list[np.ndarray]) -> np.ndarray:
     """
     areas = np.array([area_of(x) for x in polygons])
     area = areas.sum(axis=0)
-    seen = np.linalg.norm(area) > CANCELS * np.linalg.norm(areas, axis=1).sum()
+    # where areas of facets, as vectors, cancel their mean normal is rounding
+    seen = np.linalg.norm(area) > 1e-9 * np.linalg.norm(areas, axis=1).sum()
     points = np.concatenate(polygons)
     points = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(points, full_matrices=False)

@@ -12,13 +12,6 @@ from origami_nlp.display.papers import pattern_view, triangles_of
 from origami_nlp.pattern import Pattern, Scene, Vertex
 from origami_nlp.pattern_problem import PatternCrossings
 
-CLOSED = 0.1
-"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
-SPREAD = 0.05
-"""Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
-LONG = 0.8
-"""Mean length of a crease on a page, whose lines are as wide as for a vertex with creases of length 1."""
-
 
 class Poser:
     """What puts states into space, and says from where they are seen.
@@ -53,7 +46,8 @@ class Poser:
         creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
         self.body = Body(tuple(parts), creases, sectors=self._disc)
         mean = pattern.lengths.mean() if pattern.creases else self._crossings.size
-        self._scale = 1.0 if self._disc else LONG / float(mean)
+        # lines are as wide as for a vertex with creases of length 1
+        self._scale = 1.0 if self._disc else 0.8 / float(mean)
 
     def folded(self, fold_angles: object, energy: float) -> FoldedBody:
         """Put a state into space.
@@ -180,11 +174,12 @@ def join_states(
 def _layer_offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Displace the facets round a vertex at closed creases: a valley (+pi) lays the next facet on top."""
     n = len(phi)
-    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
+    # facets are drawn apart where a crease is this near to pi [rad]
+    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < 0.1
     # crease i lies between facets i - 1 and i; begun behind the most open crease
     first = int(np.argmin(np.abs(phi)))
     around = (first + 1 + np.arange(n)) % n
-    moves = (closed * np.copysign(SPREAD, phi))[around, None] * normals[around - 1]
+    moves = (closed * np.copysign(0.05, phi))[around, None] * normals[around - 1]
     offsets = np.zeros((n, 3))
     offsets[around] = np.cumsum(moves, axis=0)
     if closed.all():  # once round: share out what does not fit

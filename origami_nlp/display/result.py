@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-LARGEST = 200_000_000
-"""Bytes of a file that is read back."""
-
 
 class Result:
     """Something found, that can be drawn, saved, read back and made a data frame, as far as its class says how.
@@ -287,4 +284,4 @@ def read_data(path: str | PathLike[str]) -> Any:
     OptionError
         If the file cannot be read or is no JSON.
     """
-    return read_json(path, LARGEST, "result", OptionError)
+    return read_json(path, 200_000_000, "result", OptionError)

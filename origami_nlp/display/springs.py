@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from itertools import zip_longest
 
 from origami_nlp.display.records import shown
 from origami_nlp.pattern import Pattern, Scene
@@ -58,20 +58,16 @@ def springs_of(origami: Scene | Pattern) -> list[Spring]:
     >>> [spring.stiffness for spring in springs_of(o.examples.miura())]
     [0.025, 0.025, 0.025, 0.025]
     """
-    n = len(origami.stiffness)
-    rest = origami.rest.tolist()
-    vertex = getattr(origami, "vertex", None)
-    none: tuple[Any, ...] = (None,) * n
-    preload = getattr(origami, "preload", ())
-    rows = zip(
-        vertex.sector_angles if vertex else none,
+    vertex, preload = getattr(origami, "vertex", None), getattr(origami, "preload", ())
+    columns = (
+        vertex.sector_angles if vertex else (),
         map(float, origami.stiffness),
-        rest,
-        preload if any(preload) else none,
-        origami.limits or none,
-        origami.laws or none,
-        strict=True,
+        origami.rest.tolist(),
+        preload if any(preload) else (),
+        origami.limits,
+        origami.laws,
     )
+    rows = list(zip_longest(*columns))
     return [
         Spring(k, sector, None if law else s, None if law else r, wound, stops, law and law.name)
         for k, (sector, s, r, wound, stops, law) in enumerate(rows, start=1)

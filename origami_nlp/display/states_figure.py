@@ -1,171 +1,95 @@
-"""States of a vertex or a pattern side by side, each drawn folded below its title.
-
-Sizes are in inches and worked out from the contents, so that many states make a larger figure, not a crowded one: they
-stand beside what has a place of its own (`beside`) while there is room, the others below it.
-"""
+"""States of a vertex or a pattern side by side, each drawn folded below its title, all on one scale."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from itertools import chain
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from origami_nlp.display.painter import crease_legend, draw_state
-from origami_nlp.display.stacked import MARGIN, StackedFigure
 from origami_nlp.display.text import label_text
 from origami_nlp.display.touches import contact_legend
 from origami_nlp.kkt import ContactForce
 from origami_nlp.pattern import Pattern, Scene
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 MOST_DRAWN = 24
 """States of one picture."""
-CELL, PATTERN_CELL = 2.0, 3.2
-"""Width of the drawing of a state, of a vertex and of a pattern [in]."""
-SHARE = 0.75
-"""Height over width of drawings: all alike, so that their titles are in line."""
-HEAD, GAP = 0.18, 0.12
-"""Height of a line of a title, and between rows [in]."""
-MOST_BESIDE = 3
-"""Columns of states beside what has a place of its own."""
-ALONE = 10.0
-"""Width of rows where there is nothing else, about [in]."""
+WIDTH = 10.0
+"""Of rows of states, about [in]."""
 
 
-@dataclass(frozen=True)
-class StatesDrawn:
-    """States to be drawn side by side.
+def cell_size(origami: Scene | Pattern) -> tuple[float, float]:
+    """Return width and height of a state that is drawn with its title [in]."""
+    return (3.2, 2.7) if isinstance(origami, Pattern) else (2.2, 2.5)
 
-    Attributes
+
+def lay_out_states(
+    figure: FigureBase,
+    origami: Scene | Pattern,
+    states: Sequence[tuple[str, np.ndarray]],
+    across: int,
+    contacts: Sequence[Sequence[ContactForce]] = (),
+    *,
+    named: Sequence[int] = (),
+    colours: Sequence[str] = (),
+) -> list[Any]:
+    """Draw states into a figure, or a part of one, and return entries of its legend.
+
+    Parameters
     ----------
+    figure
+        An empty one, with a layout that makes room for titles.
     origami
         What is folded.
-    titles
-        Of each state; lines that are too long are hung.
-    fold_angles
-        Of each, [N] [rad], closed.
+    states
+        Title, its long lines hung, and fold angles [n] [rad] of each.
+    across
+        How many stand in a row.
     contacts
         Of each state of a pattern, if touches are to be marked.
     named
-        Facets whose numbers are written into the last picture, from 0, of a pattern.
+        Facets whose numbers are written into the last picture, from 0.
     colours
         Of titles; black where there are none.
-    beside
-        Width and height of what stands in the upper left corner [in].
-    rows
-        States of each row, its left and upper end [in].
-    width, height
-        Of all [in].
+
+    Returns
+    -------
+    list
+        Creases, sides of the paper, and contacts that are marked.
     """
+    rows, letters = math.ceil(len(states) / across), int(14 * cell_size(origami)[0])
+    every = figure.subplots(rows, across, squeeze=False).ravel()
+    for k, (axes, (title, phi)) in enumerate(zip(every, states, strict=False)):
+        touches = contacts[k] if k < len(contacts) else ()
+        draw_state(axes, origami, phi, named if k + 1 == len(states) else (), touches)
+        lines = "\n".join(fill(line, letters) for line in title.splitlines())
+        axes.set_title(lines, fontsize=9.5, color=colours[k] if colours else "black")
+    for axes in every[len(states) :]:
+        axes.remove()
+    limits = np.array([(a.get_xlim(), a.get_ylim()) for a in every[: len(states)]])
+    half = 0.5 * np.ptp(limits, axis=2).max(axis=0)  # one scale for all
+    for axes, (x, y) in zip(every, limits.mean(axis=2), strict=False):
+        axes.set(xlim=(x - half[0], x + half[0]), ylim=(y - half[1], y + half[1]))
+    cell = getattr(origami, "cell", None)  # copies of a cell are drawn without contacts
+    return [*crease_legend(), *contact_legend(() if cell else chain(*contacts[: len(states)]))]
 
-    origami: Scene | Pattern
-    titles: Sequence[str]
-    fold_angles: Sequence[np.ndarray]
-    contacts: Sequence[Sequence[ContactForce]] = ()
-    named: Sequence[int] = ()
-    colours: Sequence[str] = ()
-    beside: tuple[float, float] = (0.0, 0.0)
-    rows: list[tuple[range, float, float]] = field(init=False)
-    width: float = field(init=False)
-    height: float = field(init=False)
 
-    def __post_init__(self) -> None:
-        many = len(self.titles)
-        if not self.beside[0]:
-            across = max(1, min(int(ALONE / self.cell), many))
-            found = self._arranged(0, 2 * MARGIN + across * self.cell)
-        else:  # as many columns beside what is there as leave least empty
-            whole = 2 * MARGIN + self.beside[0]
-            columns = range(min(many, 1), min(many, MOST_BESIDE) + 1)
-            options = [self._arranged(k, whole + k * self.cell) for k in columns]
-            found = min(options, key=lambda option: option[1] * option[2])
-        for name, value in zip(("rows", "width", "height"), found, strict=True):
-            object.__setattr__(self, name, value)
-
-    @property
-    def cell(self) -> float:
-        """Width of a drawing [in]."""
-        return PATTERN_CELL if isinstance(self.origami, Pattern) else CELL
-
-    def title(self, k: int) -> str:
-        """Return the title of a state, lines that are too long hung."""
-        lines = self.titles[k].splitlines()
-        return "\n".join(fill(line, int(16 * self.cell)) for line in lines)
-
-    def head(self, k: int) -> float:
-        """Return the height of the title of a state [in]."""
-        return GAP + HEAD * (1 + self.title(k).count("\n"))
-
-    def _arranged(
-        self, beside: int, whole: float
-    ) -> tuple[list[tuple[range, float, float]], float, float]:
-        """Arrange drawings: so many columns beside what is there, the others below."""
-        tall = [self.head(k) + self.cell * SHARE for k in range(len(self.titles))]
-        width, height = self.beside
-        rows: list[tuple[range, float, float]] = []
-        k, y = 0, 0.0
-        while beside and k < len(tall):
-            states = range(k, min(k + beside, len(tall)))
-            high = max(tall[i] for i in states)
-            if y + high > height + 0.35:
-                break
-            rows.append((states, MARGIN + width, y))
-            k, y = states.stop, y + high + GAP
-        if rows and k == len(tall) and (spare := height - y) > 0:
-            # little to show: spread over the height
-            gap = spare / (len(rows) + 1)
-            rows = [(one, left, top + gap * (i + 1)) for i, (one, left, top) in enumerate(rows)]
-        y = max(height, y)
-        across = int((whole - 2 * MARGIN) / self.cell + 1e-9)
-        while k < len(tall):
-            states = range(k, min(k + across, len(tall)))
-            rows.append((states, MARGIN, y))
-            k, y = states.stop, y + max(tall[i] for i in states) + GAP
-        return rows, whole, y
-
-    def draw(self, stack: StackedFigure) -> None:
-        """Draw the states into the body of a figure.
-
-        Parameters
-        ----------
-        stack
-            With at least `width` and `height`.
-        """
-        boxes = []
-        for states, left, top in self.rows:
-            head = max(self.head(k) for k in states)
-            for k in states:
-                x, wide = left + (k - states.start) * self.cell, self.cell - 0.08
-                boxes.append(stack.axes(x + 0.04, top + head, wide, SHARE * wide))
-                self._draw(boxes[-1], k)
-                look = {"ha": "center", "va": "top", "linespacing": 1.25, "fontsize": 9.5}
-                colour = self.colours[k] if self.colours else "black"
-                stack.text(x + self.cell / 2, top + 0.04, self.title(k), color=colour, **look)
-        limits = np.array([(box.get_xlim(), box.get_ylim()) for box in boxes]).reshape(-1, 2, 2)
-        spans = np.ptp(limits, axis=2)
-        # one scale for all
-        half = 0.5 * max((max(x, y / SHARE) for x, y in spans), default=0.0)
-        for box, (x, y) in zip(boxes, limits.mean(axis=2), strict=True):
-            box.set(xlim=(x - half, x + half), ylim=(y - SHARE * half, y + SHARE * half))
-
-    def _draw(self, box: Axes, k: int) -> None:
-        named = self.named if k + 1 == len(self.titles) else ()
-        touches = self.contacts[k] if k < len(self.contacts) else ()
-        draw_state(box, self.origami, self.fold_angles[k], named, touches)
-
-    def legend(self) -> list[Any]:
-        """Return entries of a legend: creases, sides of the paper, and contacts that are marked."""
-        if not self.titles:
-            return []
-        touches = () if getattr(self.origami, "cell", None) else self.contacts[: len(self.titles)]
-        return [*crease_legend(), *contact_legend(chain(*touches))]
+def add_heading(
+    figure: Figure, title: str, handles: Sequence[Any], notes: Sequence[str] = ()
+) -> None:
+    """Write a title over a figure, and a legend below it; notes stand over that."""
+    width = figure.get_figwidth()
+    figure.set_layout_engine("constrained", h_pad=0.1)
+    figure.suptitle(fill(title, int(10 * width)), fontsize=12, weight="bold")
+    said = "\n".join(fill(note, int(13 * width), break_on_hyphens=False) for note in notes)
+    look: dict[str, Any] = {"fontsize": 9, "frameon": False, "title_fontsize": 9, "title": said}
+    columns = max(1, int(width / 2.4))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, **look)
 
 
 def draw_states(
@@ -203,13 +127,13 @@ def draw_states(
     >>> len(draw_states(scene, [("rest", scene.rest_angles), ("flat", [0, 0, 0, 0])], "Miura").axes)
     2
     """
-    shown = states[:MOST_DRAWN]
+    shown = [(label_text(name), np.asarray(x)) for name, x in states[:MOST_DRAWN]]
+    wide, tall = cell_size(origami)
+    across = min(int(WIDTH / wide), len(shown))
+    size = max(across * wide, 5.0), math.ceil(len(shown) / across) * tall + 0.8
+    figure = Figure(figsize=size, dpi=110, layout="constrained")
     named = named if len(shown) == len(states) else ()
-    drawn = StatesDrawn(
-        origami, [label_text(name) for name, _ in shown], [x for _, x in shown], contacts, named
-    )
+    handles = lay_out_states(figure, origami, shown, across, contacts, named=named)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
-    heading = [label_text(title + more)] if title else []
-    stack = StackedFigure(drawn.width, drawn.height, heading, drawn.legend())
-    drawn.draw(stack)
-    return stack.figure
+    add_heading(figure, label_text(title + more) if title else "", handles)
+    return figure

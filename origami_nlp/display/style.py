@@ -70,28 +70,16 @@ LIGHT = (-0.35, 0.55, 0.76)
 """Towards the light, in the picture's frame."""
 INK, WARNING = "#1B1B1B", "#AD1457"
 """Lines and words; words about what is unstable."""
-METASTABLE, HANDLE_COLOUR = "#E10000", "#7B1FA2"
+METASTABLE = "#E10000"
 PUSHES, IDLE = "#B5179E", "#6C757D"
 """Contacts that push, and contacts that only touch."""
 BAND = "#F0D9B5"
 """Of a threshold."""
 INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
 """Okabe and Ito's colours, for what has no meaning of its own."""
-MISSING = "#D9D9D9"
-"""Of what is not known."""
-HANDLE: dict[str, Any] = {
-    "color": HANDLE_COLOUR,
-    "linewidth": 2.2,
-    "linestyle": (0, (3.0, 1.6)),
-    "zorder": 4,
-}
+HANDLE: dict[str, Any] = {"color": "#7B1FA2", "lw": 2.2, "ls": (0, (3.0, 1.6)), "zorder": 4}
 """Line of a 1-handle, on which states exist only at |phi| = pi exactly."""
-RING: dict[str, Any] = {
-    "marker": "o",
-    "markerfacecolor": "none",
-    "markeredgecolor": "black",
-    "markeredgewidth": 1.1,
-}
+RING: dict[str, Any] = {"marker": "o", "mfc": "none", "mec": "black", "mew": 1.1, "ls": "none"}
 """Around a point of a chart that several states share."""
 
 
@@ -103,12 +91,11 @@ def energy_colours() -> Colormap:
     matplotlib.colors.Colormap
         For energies.
     """
-    import numpy as np
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
-    scale = colormaps["YlGnBu_r"](np.linspace(0.03, 0.90, 256))
-    return ListedColormap(scale, name="energy")
+    share = [0.03 + 0.87 * k / 255 for k in range(256)]
+    return ListedColormap(colormaps["YlGnBu_r"](share), name="energy")
 
 
 def minimum_look(kind: str, verdict: str | None, size: float) -> dict[str, Any]:
@@ -129,17 +116,10 @@ def minimum_look(kind: str, verdict: str | None, size: float) -> dict[str, Any]:
         Keywords.
     """
     look = KINDS[kind]
-    fill: dict[str, Any] = {"markerfacecolor": VERDICTS[verdict][0]}
-    if verdict == "undecided":
-        fill |= {"fillstyle": "left", "markerfacecoloralt": "white"}
-    return {
-        "marker": look.marker,
-        "markersize": size * look.scale,
-        "markeredgecolor": "black",
-        "markeredgewidth": max(0.6, 0.055 * size),
-        "linestyle": "none",
-        **fill,
-    }
+    half = {"fillstyle": "left", "mfcalt": "white"} if verdict == "undecided" else {}
+    edge = {"mec": "black", "mew": max(0.6, 0.055 * size), "ls": "none"}
+    shape = {"marker": look.marker, "ms": size * look.scale, "mfc": VERDICTS[verdict][0]}
+    return {**shape, **edge, **half}
 
 
 def pass_look(kind: str, size: float) -> dict[str, Any]:
@@ -157,14 +137,8 @@ def pass_look(kind: str, size: float) -> dict[str, Any]:
     dict
         Keywords.
     """
-    return {
-        "marker": PASSES[kind],
-        "markersize": 0.5 * size,
-        "markerfacecolor": "white",
-        "markeredgecolor": "black",
-        "markeredgewidth": max(0.6, 0.07 * size),
-        "linestyle": "none",
-    }
+    edge = {"mec": "black", "mew": max(0.6, 0.07 * size), "ls": "none"}
+    return {"marker": PASSES[kind], "ms": 0.5 * size, "mfc": "white", **edge}
 
 
 def mark_minimum(
@@ -217,8 +191,7 @@ def minima_legend(
         if verdicts and any(v == verdict for _, v in pairs)
     ]
     for kind in kinds:
-        look = minimum_look(kind, None, size) | {"markerfacecolor": "white"}
-        entries.append(Line2D([], [], label=kind, **look))
+        entries.append(Line2D([], [], label=kind, **minimum_look(kind, None, size)))
     return entries
 
 
@@ -240,11 +213,8 @@ def passes_legend(kinds: Iterable[str], size: float) -> list[Line2D]:
     from matplotlib.lines import Line2D
 
     found = set(kinds)
-    return [
-        Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size))
-        for kind in PASSES
-        if kind in found
-    ]
+    met = [kind for kind in PASSES if kind in found]
+    return [Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size)) for kind in met]
 
 
 def patch(colour: str, label: str) -> Patch:

@@ -340,9 +340,8 @@ def field_table(record: Any, title: str) -> Table:
         for key, one in each if how.title else ():
             if (isinstance(one, str | int | float) and one) or (one and "shown" in f.metadata):
                 spec = how.spec or (".4g" if isinstance(one, float) else "")
-                rows.append(
-                    (f"{how.head}: {key}" if key else how.head, replace(how, spec=spec).text(one))
-                )
+                head = f"{how.head}: {key}" if key else how.head
+                rows.append((head, replace(how, spec=spec).text(one)))
     return Table((title, ""), rows, "", "LL", framed=False, narrow=True)
 
 

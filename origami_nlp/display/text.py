@@ -25,29 +25,6 @@ def label_text(text: str) -> str:
     return pretty.replace("$", r"\$")
 
 
-def short_label(text: str) -> str:
-    """Shorten the label of a scene of the paper to what differs.
-
-    Parameters
-    ----------
-    text
-        Such as `Scene.label`.
-
-    Returns
-    -------
-    str
-        Such as ``N = 6, pi/3, 1``.
-
-    Examples
-    --------
-    >>> from origami_nlp import examples
-    >>> from origami_nlp.display import short_label
-    >>> short_label(examples.degree6("pi/3").label)
-    'N = 6, pi/3, 1'
-    """
-    return text.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", "")
-
-
 def subscript(number: int) -> str:
     """Write a number below the line.
 

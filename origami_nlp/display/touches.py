@@ -33,10 +33,9 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Marks by how contacts push."""
 TINT = 0.3
 """Share of the colour of contacts in that of facets that touch."""
-RED, GREEN, BLUE = (
-    (1 - TINT) * a + TINT * b for a, b in zip(to_rgb(UPPER), to_rgb(PUSHES), strict=True)
+TOUCHING = to_hex(
+    tuple(np.average([to_rgb(UPPER), to_rgb(PUSHES)], axis=0, weights=(1 - TINT, TINT)))
 )
-TOUCHING = to_hex((RED, GREEN, BLUE))
 """Upper side of facets that touch."""
 
 

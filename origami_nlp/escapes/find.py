@@ -18,8 +18,6 @@ from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
-MOST_STATES = 8
-"""States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
 SHOWN = "an explicit escape path climbs so high; lower ones are not excluded"
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
@@ -80,7 +78,8 @@ def find_escapes(
     images = _images(at, moves)
     loose = [k for k in range(count) if k not in known]
     first = [k for k in loose if images[k].of == k]
-    last = energies[first[:MOST_STATES]].max(initial=-math.inf) + level
+    # out of those of lowest energy, images under symmetries not counted
+    last = energies[first[:8]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways: dict[int, EscapePath] = {}
     if sought and count > 1:
@@ -112,13 +111,12 @@ def find_escapes(
             out.append(known[k])
         elif math.isinf(barrier):
             # that no way was found does not make the barrier infinite: it is not determined
-            if not why and count == 1:
+            reason = "no way that was tried led to a state of lower energy"
+            if count == 1:
                 reason = "no other state is known that it could be left for"
-            elif not why and k not in sought:
+            elif k not in sought:
                 reason = f"sought for the {len(sought)} states of lowest energy"
-            else:
-                reason = why or "no way that was tried led to a state of lower energy"
-            out.append(Escape(math.nan, OPEN, reason))
+            out.append(Escape(math.nan, OPEN, why or reason))
         else:
             # to two digits: more hang on where steps of descents in batches were cut
             barrier = float(rounded_up(max(barrier, FLOOR * scale)))
@@ -129,19 +127,17 @@ def find_escapes(
 
 def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:
     """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
-    found: dict[int, _Image] = {}
-    listed = []
+    found, listed = dict[int, _Image](), list[tuple[Move, list[int]]]()
     for move in moves:
         apart = np.array([np.abs(x - at).max(axis=1) for x in move(at)])
         to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1)
         listed.append((move, to.tolist()))
     for k in range(len(at)):
-        if k in found:
-            continue
-        found[k] = _Image(k, None, ())
-        for move, to in listed:
-            if to[k] >= 0:
-                found.setdefault(to[k], _Image(k, move, to))
+        if k not in found:
+            found[k] = _Image(k, None, ())
+            for move, where in listed:
+                if where[k] >= 0:
+                    found.setdefault(where[k], _Image(k, move, where))
     return [found[k] for k in range(len(at))]
 
 

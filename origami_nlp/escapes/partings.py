@@ -48,7 +48,7 @@ def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[Parting]
     ways = [(k, ray) for k, ray in rays(terrain, which) if len(ray) > 1]
     tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in ways]
     ranks = [coarse(top[:, None])[:, 0] for top in tops]
-    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in ways]
+    lower = [np.flatnonzero(terrain.is_lower(k, ray)) for k, ray in ways]
     # of each ray: its first state that is known to be away, or its length, and the first that was not descended from
     first = [
         int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, ways, strict=True)
@@ -93,18 +93,11 @@ def _rank(part: Parting) -> float:
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
     """Return whether descents from them leave the state, of some number, for good."""
-    away = np.zeros(len(starts), dtype=bool)
-    of = np.array([k for k, _ in starts], dtype=int)
-    for k in dict.fromkeys(of.tolist()):
-        mine = np.flatnonzero(of == k).tolist()
-        away[mine] = terrain.are_lower(k, np.array([starts[i][1] for i in mine]))
-    todo = np.flatnonzero(~away).tolist()
-    if len(todo):
-        ends = terrain.land(np.array([starts[i][1] for i in todo]))
-        left = np.flatnonzero(~away)
-        for k in dict.fromkeys(of[left].tolist()):
-            mine = of[left] == k
-            away[left[mine]] = terrain.are_ways(k, ends[mine])
+    away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
+    left = np.flatnonzero(~away).tolist()
+    if left:
+        ends = terrain.land(np.array([starts[i][1] for i in left]))
+        away[left] = [terrain.is_way(starts[i][0], x) for i, x in zip(left, ends, strict=True)]
     return away
 
 

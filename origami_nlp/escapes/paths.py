@@ -56,10 +56,10 @@ def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None
     """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
     best: EscapePath | None = None
     for part in parts:
-        if best is not None and part.height >= best.height:
-            break
-        way = _way(terrain, part)
-        best = way if best is None or (way is not None and way.height < best.height) else best
+        if best is None or part.height < best.height:
+            best = min(
+                filter(None, (best, _way(terrain, part))), key=lambda w: w.height, default=None
+            )
     return best
 
 
@@ -70,12 +70,6 @@ def escape_paths_of_each(
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
     for k, parts in partings_of(terrain, which):
         yield k, filter(None, (_way(terrain, part) for part in parts))
-
-
-MOST_CUTS, A_ROUND = 400, 32
-"""Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
-LONG = 0.1
-"""A step that is longer [rad] is cut in any case: whether it is a way at all."""
 
 
 def highest(
@@ -90,25 +84,28 @@ def highest(
     """
     # states in order along the way, their heights and torques; each cut puts one more in
     x, u = states, terrain.rise(k, states)
-    torque, d = terrain.torque(x), terrain.distances(x[:-1], x[1:])
+    torque, d = terrain.torque(x), terrain.distance(x[:-1], x[1:])
     turns = np.full(len(d), math.inf)  # angle between the halves of the step that each is a half of
     cuts = 0
     while True:
         most = (u[:-1] + u[1:] + _slopes(terrain, x, torque, turns) * d) / 2
         top = float(u.max())
         enough = max(top * (1 + CERTAIN), terrain.floor, known)
-        cut = np.flatnonzero(d > LONG)
-        if not len(cut) and cuts < MOST_CUTS:
+        # a longer step is cut in any case: whether it is a way at all
+        cut = np.flatnonzero(d > 0.1)
+        # 32 cuts in a round, 400 in all
+        if not len(cut) and cuts < 400:
             high = np.flatnonzero(most > enough)
-            cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:A_ROUND]])
+            cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:32]])
         if not len(cut):
             return float(most.max(initial=top)), x[int(np.argmax(u))], x
         cuts += len(cut)
         halves = terrain.middles(x[cut], x[cut + 1])
         if halves is None:
             return None
-        parts = np.array([terrain.distances(x[cut + e], halves) for e in (0, 1)])
-        if (parts > ASIDE * d[cut]).any():
+        parts = np.array([terrain.distance(x[cut + e], halves) for e in (0, 1)])
+        # the middle of a step lies between its ends
+        if (parts > 0.75 * d[cut]).any():
             return None
         ways = [terrain.problem.root * (b - a) for a, b in ((x[cut], halves), (halves, x[cut + 1]))]
         turn = np.linalg.norm(np.subtract(*(_unit(way) for way in ways)), axis=1)
@@ -139,10 +136,6 @@ def _unit(ways: np.ndarray) -> np.ndarray:
 
 LONGER = 2.0
 """A step along closed states is longer than its chord, by less than this once steps are short."""
-JUMP = 0.3
-"""Steps of a descent are no longer [rad], or it left the curve or surface that it is on."""
-ASIDE = 0.75
-"""The middle of a step is nearer to either end than this share of the step."""
 
 
 def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
@@ -184,7 +177,8 @@ def _is_shown(terrain: Terrain, path: np.ndarray) -> bool:
 
     Gaps alone do not see that layers have no order, nor facets that swing through each other about a common line.
     """
-    jumps = bool((np.abs(np.diff(path, axis=0)) > JUMP).any())
+    # by a longer step it left the curve or surface that it is on
+    jumps = bool((np.abs(np.diff(path, axis=0)) > 0.3).any())
     return not (jumps or any(map(terrain.problem.refuses, path[1:])))
 
 
@@ -204,12 +198,9 @@ def _across(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[tuple[
     beside = np.argwhere(apart <= 2 * apart[0, 0])
     i, j = (int(v[-1]) for v in beside[np.lexsort(beside.T)].T)
     ways = [(np.array([*back[i:][::-1], down[j]]), j)] if j else []
-    near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
+    # descents within 0.1 rad are together
+    near = apart <= 2 * max(float(apart[0, 0]), 0.1)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
     # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
     return [*ways, (np.array([*back[i:][::-1], down[j]]), j)]
-
-
-TOGETHER = 0.1
-"""Descents that are no further apart [rad] are together."""

@@ -11,9 +11,6 @@ from origami_nlp.escapes.terrain import Terrain
 from origami_nlp.problem import Contact
 from origami_nlp.search import at_limits
 
-MOST_TURNED = 12
-"""Variables up to which rays turn each of them by itself."""
-
 
 def paths_over_flat(
     terrain: Terrain, which: Sequence[int]
@@ -37,13 +34,8 @@ def paths_over_flat(
         if len(aim) and (side[k] * side[aim] < 0).all():
             aims[k] = int(aim[0])
     ends = sorted({*aims, *aims.values()})
-    walked = dict(
-        zip(
-            ends,
-            terrain.walk(terrain.minima[ends], None, np.tile(flat, (len(ends), 1))),
-            strict=True,
-        )
-    )
+    paths = terrain.walk(terrain.minima[ends], None, np.tile(flat, (len(ends), 1)))
+    walked = dict(zip(ends, paths, strict=True))
     return {
         k: (-float(terrain.over(flat, terrain.minima[k])), np.r_[walked[k], walked[to][-2::-1]], to)
         for k, to in aims.items()
@@ -54,7 +46,7 @@ def paths_over_flat(
 def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
     """Go along directions, turn variables, go to the flat state and on, and to other states."""
     flat, n = np.zeros(terrain.problem.size), terrain.problem.size
-    unit = np.eye(n) if n <= MOST_TURNED else np.zeros((0, n))
+    unit = np.eye(n) if n <= 12 else np.zeros((0, n))
     of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
     slots, free = list[tuple[Contact, ...]](), list[bool]()
     for k in which:
@@ -62,11 +54,8 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
         aims = [flat, *terrain.others(k)]
         # contacts of the state are held, and opened, in turn
         rows = terrain.contacts(terrain.minima[k])
-        for held in (
-            (True, False)
-            if rows or at_limits(terrain.problem, terrain.minima[k]).any()
-            else (True,)
-        ):
+        closed = rows or at_limits(terrain.problem, terrain.minima[k]).any()
+        for held in (True, False) if closed else (True,):
             of += [k] * (len(ways) + len(aims))
             along += [*ways, *[flat] * len(aims)]
             goals += [*[np.full(n, math.nan)] * len(ways), *aims]
@@ -74,15 +63,8 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
             free += [not held] * (len(ways) + len(aims))
     if not of:
         return []
-    out = list(
-        zip(
-            of,
-            terrain.walk(
-                terrain.minima[of], np.array(along), np.array(goals), slots, np.array(free)
-            ),
-            strict=True,
-        )
-    )
+    given = np.array(along), np.array(goals), slots, np.array(free)
+    out = list(zip(of, terrain.walk(terrain.minima[of], *given), strict=True))
     return out + over_flat(out)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -42,16 +43,8 @@ FIRST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
 DENSE = 0.1
 """Steps of a way down are cut to this length [rad], and each state on it looked at."""
-FINER = 7
-"""How often steps beside the highest states of other ways are halved: these climb by a millionth more at most."""
 LONGEST = 0.1
 """Step of a descent [rad]."""
-MOST_REFUTED = 2
-"""Refuted states that a descent goes on from."""
-NEAREST = 3
-"""Other stable states that rays lead towards, those at equal distances counted as one."""
-FARTHEST = 12.0
-"""How far rays go [rad]: fifteen creases turned by pi are as far."""
 FLOOR = SHALLOW / 100
 """Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
 
@@ -195,11 +188,6 @@ class Terrain:
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def _closed_with(self, start: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
-        """Close a start [n], what is kept as it is; None where that is no admissible state."""
-        (x,), (good,) = self._closed(start[None], kept[None])
-        return np.asarray(x) if good else None
-
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; what both hold stays so."""
         many = len(shares)
@@ -290,7 +278,7 @@ class Terrain:
         return number_of(x, self.minima)
 
     def path_down(
-        self, state: np.ndarray, until: Callable[[np.ndarray], bool] = lambda x: False
+        self, state: np.ndarray, until: Callable[[np.ndarray], Any] = lambda x: False
     ) -> np.ndarray:
         """Go down as descents in batches do, by short steps, as far as they are admissible and lower, [S, n].
 
@@ -307,7 +295,8 @@ class Terrain:
         if not self.usable:
             return state[None]
         path = self._steps(state)
-        for _ in range(MOST_REFUTED):
+        # so many refuted states it goes on from
+        for _ in range(2):
             end = path[-1]
             if self.listed(end) >= 0:
                 break
@@ -343,7 +332,8 @@ class Terrain:
         along = np.zeros(x.shape) if along is None else np.where(aimed[:, None], 0.0, along)
         driven = (along != 0).sum(axis=1) == 1  # one variable turns, the others follow
         walked, live, step, gone = [[y] for y in x], np.arange(len(x)), FIRST, 0.0
-        while len(live) and gone < FARTHEST:
+        # fifteen creases turned by pi are as far [rad]
+        while len(live) and gone < 12.0:
             p.check_time()
             to = aimed[live]
             way = np.where(to[:, None], goal[live] - at[live], along[live]) * p.root
@@ -393,8 +383,9 @@ class Terrain:
                 around = [self.pops.around[v] for v in np.flatnonzero(passed)]
                 creases = np.isin(np.arange(self.problem.pattern.creases), np.concatenate(around))
                 kept = self.problem.reduce(1.0 * creases) != 0
-                middle = self._closed_with(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
-                if middle is None or np.abs(middle - x).max() > DENSE:
+                flat = np.where(kept, 0.0, 0.5 * (path[k] + x))
+                (middle,), (good,) = self._closed(flat[None], kept[None])
+                if not good or np.abs(middle - x).max() > DENSE:
                     return None
                 out.append(middle)
             out.append(x)
@@ -405,7 +396,8 @@ class Terrain:
 
         None where there is no admissible state beside them.
         """
-        for _ in range(FINER):
+        # halved so often, a way climbs by a millionth more at most
+        for _ in range(7):
             rises = self.over(path[0], path)
             tops = 1 + np.flatnonzero((rises[1:-1] >= rises[:-2]) & (rises[1:-1] >= rises[2:]))
             after = np.unique(np.concatenate([tops, tops + 1]))
@@ -420,10 +412,9 @@ class Terrain:
         """Cut steps to `DENSE` and look at each state, [S, n]; None where a step leaves closed admissible states."""
         out = [states[0]]
         for x in states[1:]:
-            while self.distance(out[-1], x) > DENSE:
-                share = DENSE / self.distance(out[-1], x)
-                inner = self.between(out[-1], x, np.array([0.9 * share]))
-                if inner is None or self.distance(inner[0], x) >= self.distance(out[-1], x):
+            while (left := self.distance(out[-1], x)) > DENSE:
+                inner = self.between(out[-1], x, np.array([0.9 * (DENSE / left)]))
+                if inner is None or self.distance(inner[0], x) >= left:
                     return None
                 if self.distance(inner[0], out[-1]) > 2 * DENSE:
                     return None
@@ -450,24 +441,16 @@ class Terrain:
         p = self.problem  # squares of torques in N m may overflow
         return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
 
-    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Distance of two states, in the same metric."""
-        return float(np.linalg.norm(self.problem.root * (a - b)))
+    def distance(self, a: np.ndarray, b: np.ndarray) -> Any:
+        """Distances of states [..., n] from others, in the same metric, [...]."""
+        return np.linalg.norm(self.problem.root * (a - b), axis=-1)
 
-    def distances(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Distances of states [S, n] from others, [S]."""
-        return np.asarray(np.linalg.norm(self.problem.root * (a - b), axis=1))
-
-    def are_lower(self, k: int, x: np.ndarray) -> np.ndarray:
-        """Which states [S, n] have less energy than state k, by more than rounding."""
+    def is_lower(self, k: int, x: np.ndarray) -> Any:
+        """Whether states [..., n] have less energy than state k, by more than rounding, [...]."""
         return self.rise(k, x) < -self.noise[k]
 
-    def is_lower(self, k: int, x: np.ndarray) -> bool:
-        """Whether a state [n] has less energy than state k, by more than rounding."""
-        return bool(self.are_lower(k, x))
-
-    def are_ways(self, k: int, ends: np.ndarray) -> np.ndarray:
-        """Which ends [S, n] are another state, of no more energy; of any for a state than which none listed has less.
+    def is_way(self, k: int, ends: np.ndarray) -> Any:
+        """Whether ends [..., n] are another state, of no more energy; of any where no listed one has less, [...].
 
         nan is none.
         """
@@ -475,20 +458,16 @@ class Terrain:
         apart = np.abs(ends - at).max(axis=-1) > NEAR_SINGULAR_TOL
         others = np.arange(len(self.minima)) != k
         if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
-            return np.asarray(apart)
+            return apart
         # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
         slopes = self.slope(ends) + self.slope(at)
-        return np.asarray(apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL))
-
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether an end [n] is one, as `are_ways`."""
-        return bool(self.are_ways(k, end))
+        return apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL)
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""
-        apart = np.linalg.norm(self.problem.root * (self.minima - self.minima[k]), axis=1)
+        apart = self.distance(self.minima, self.minima[k])
         apart[k] = math.inf
         # all at the distance of the last one: labels do not choose among them
-        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        last = np.sort(apart)[min(3, len(apart)) - 1]
         near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
         return np.asarray(self.minima[near])

@@ -19,17 +19,13 @@ from .fold_out import (
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
-    group_average as group_average,
     hessian_spectra as hessian_spectra,
     is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
-    mode_symmetry as mode_symmetry,
+    symmetry_blocks as symmetry_blocks,
     with_full_space as with_full_space,
 )
-from .interactive import (
-    images as images,
-    view_minima as view_minima,
-)
+from .interactive import view_minima as view_minima
 from .marks import (
     Drawn as Drawn,
     drawn_minima as drawn_minima,

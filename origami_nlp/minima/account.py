@@ -16,12 +16,6 @@ from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
 from origami_nlp.search import CLOSES_NOT
 
-OPEN_FROM = 0.5
-"""Minima that are expected beside those on a list from which on it is open."""
-FEW_QUIET = 10
-"""Random starts in a row without a new minimum below which nothing is said of those that are missing: 3/N > 0.3."""
-NEW_FROM = 1.0
-"""New minima for a thousand starts at the end from which on a list is open."""
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
 """Parts of a search that its time may end."""
@@ -114,7 +108,7 @@ class SearchReport(ShortRepr):
     effort: str = "normal"
     by_source: dict[str, int] = field(default_factory=dict)
     stalled: int = 0
-    failed: dict[str, int] = field(default_factory=dict)
+    failed: dict[str, int] = field(default_factory=Counter)
     seen_once: int = 0
     quiet: int = 0
     left_out: tuple[str, ...] = field(default=(), metadata=OMIT)
@@ -147,8 +141,10 @@ class SearchReport(ShortRepr):
     def is_open(self) -> bool:
         """Whether it is to be expected that other seeds, or more time, add minima."""
         cut = self.stopped_by in ("time", "cap")
-        many = math.isfinite(self.expected_undiscovered) and self.expected_undiscovered >= OPEN_FROM
-        return cut or many or (not self.curves and self.new_per_thousand >= NEW_FROM)
+        # half a minimum is expected beside those on the list
+        many = math.isfinite(self.expected_undiscovered) and self.expected_undiscovered >= 0.5
+        # or one more for a thousand starts
+        return cut or many or (not self.curves and self.new_per_thousand >= 1.0)
 
     def leave_out(self, what: str) -> None:
         """Note a part of the search that its time, or an interruption, ended.
@@ -207,8 +203,7 @@ class SearchReport(ShortRepr):
         failure
             What it raised.
         """
-        why = f"{type(failure).__name__}: {failure}"
-        self.failed[why] = self.failed.get(why, 0) + 1
+        self.failed[f"{type(failure).__name__}: {failure}"] += 1
 
     @property
     def every_well(self) -> bool:
@@ -242,7 +237,8 @@ class SearchReport(ShortRepr):
             )
         elif self.every_well:
             yield f"wells of the energy along known curves: all {self.wells} judged"
-        elif self.quiet >= FEW_QUIET:
+        # fewer say nothing of those that are missing: 3/N > 0.3
+        elif self.quiet >= 10:
             yield (
                 f"no new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
                 f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)"

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
+from origami_nlp.escapes import Move
 from origami_nlp.kkt import project
 from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern import Pattern, Relabelling, Scene, canonical_labels, symmetries
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image, pose
-
-DIGITS = 11
-"""After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class CanonicalStates:
 
     stated: PatternProblem
     problem: PatternProblem
-    moves: Sequence[Callable[[np.ndarray], np.ndarray]]
+    moves: Sequence[Move]
     labels: Relabelling | None
     minima: np.ndarray
     unit: float
@@ -53,12 +51,7 @@ def canonical_states(
     stated: PatternProblem, scene: Scene | Pattern, states: np.ndarray
 ) -> CanonicalStates:
     """Pose states [M, n] of a scene under labels that do not depend on its own; of a pattern as they are."""
-    if isinstance(scene, Pattern):
-        found = find_labels(scene).symmetries(scene)
-        return CanonicalStates(
-            stated, stated, [partial(image, s) for s in found], None, states, 1.0
-        )
-    if not scene.group.is_trivial or scene.loads:
+    if isinstance(scene, Pattern) or scene.is_symmetric or scene.loads:
         return CanonicalStates(stated, stated, moves_of(stated, scene), None, states, 1.0)
     labels = canonical_labels(scene)
     other = labels.relabelled(scene)
@@ -67,14 +60,17 @@ def canonical_states(
     phi = stated.expand(states)
     exact = np.asarray(problem.reduce(labels.sign * phi[..., labels.creases]))
     still = (problem.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
-    exact = project(problem, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
+    # digits [rad]: ten times `OUTSIDE`
+    exact = project(problem, np.where(still, exact, np.round(exact, 11)), frozen=still)[0]
     unit = float(np.mean(scene.stiffness))
     return CanonicalStates(stated, problem, moves_of(problem, other), labels, exact, unit)
 
 
-def moves_of(problem: PatternProblem, scene: Scene) -> list[Callable[[np.ndarray], np.ndarray]]:
-    """Return the symmetries of a scene, imposed or not, of states [..., n] of its problem."""
-    return [partial(_moved, problem, move) for move in symmetries(scene)]
+def moves_of(problem: PatternProblem, origami: Scene | Pattern) -> list[Move]:
+    """Return the symmetries of an origami with its springs, imposed or not, of states [..., n] of its problem."""
+    if isinstance(origami, Pattern):
+        return [partial(image, one) for one in find_labels(origami).symmetries(origami)]
+    return [partial(_moved, problem, move) for move in symmetries(origami)]
 
 
 def _moved(problem: PatternProblem, move: Relabelling, x: np.ndarray) -> np.ndarray:

@@ -16,9 +16,6 @@ from origami_nlp.display import Table, field_table, record_table, shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.proof import ProofOptions
 
-MOST_REGIONS = 8
-"""Regions of each kind that are printed."""
-
 
 def check_prove(name: str, value: object) -> None:
     """Raise an error for what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
@@ -153,4 +150,4 @@ class Completeness(ShortRepr):
             ("regions left open", self.undecided),
         ):
             if some and not (self.proved and some is not self.added):
-                yield record_table(some[:MOST_REGIONS], title)
+                yield record_table(some[:8], title)

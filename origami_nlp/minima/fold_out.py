@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from origami_nlp.io import write_whole
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
-
-if TYPE_CHECKING:
-    from trimesh import Trimesh
 
 Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Points [v, 3] and triangles [f, 3]."""
@@ -54,47 +51,19 @@ def write_parts(parts: Sequence[Part], target: str | Path) -> None:
         If trimesh is not installed, the name ends in something else, there is no part, or the file cannot be written.
     """
     suffix = check_mesh(target)
-    import trimesh
+    from trimesh import Trimesh, util, visual
 
     if not parts:
         raise OptionError(f"{str(target)!r}: no state was found to write")
-    meshes = [trimesh.Trimesh(points, faces, process=False) for points, faces in parts]
+    meshes = [Trimesh(points, faces, process=False) for points, faces in parts]
     for mesh in meshes:
         mesh.update_faces(mesh.area_faces > 0)
-    write_whole(target, join_meshes(meshes, suffix))
-
-
-def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
-    """Return triangle meshes as one, as the content of a file.
-
-    Parameters
-    ----------
-    parts
-        At least one.
-    suffix
-        Of the file, as `check_mesh` returns it; in ``.glb`` both sides of the paper are seen.
-
-    Returns
-    -------
-    bytes
-        The content.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> from origami_nlp.minima.fold_out import join_meshes
-    >>> one = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    >>> join_meshes([one], ".glb")[:4], b'"doubleSided":true' in join_meshes([one], ".glb")
-    (b'glTF', True)
-    """
-    from trimesh import util, visual
-
-    whole: Any = util.concatenate(parts)
-    if suffix == ".glb":
+    whole: Any = util.concatenate(meshes)
+    if suffix == ".glb":  # both sides of the paper are seen
         both = visual.material.PBRMaterial(doubleSided=True)
         whole.visual = visual.TextureVisuals(material=both)
     content = whole.export(None, file_type=suffix[1:])
-    return content.encode() if isinstance(content, str) else bytes(content)
+    write_whole(target, content.encode() if isinstance(content, str) else bytes(content))
 
 
 def check_mesh(target: str | Path) -> str:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import numpy as np
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
+from origami_nlp.numerics import BALANCED, ENDPOINT_TOL
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.search import DescentPath, descent_path
@@ -79,13 +78,13 @@ class FullSpace(ShortRepr):
 
     verdict: FullVerdict
     certificate: str
-    kind: str | None
-    local_dimension: int
-    hessian_eigenvalues: tuple[float, ...]
-    breaking_eigenvalues: tuple[float, ...]
-    unstable_mode: str | None
-    descent: tuple[Step, ...] | None
-    lands_on: LandsOn | None
+    kind: str | None = None
+    local_dimension: int = 0
+    hessian_eigenvalues: tuple[float, ...] = ()
+    breaking_eigenvalues: tuple[float, ...] = ()
+    unstable_mode: str | None = None
+    descent: tuple[Step, ...] | None = None
+    lands_on: LandsOn | None = None
 
 
 def full_scene(scene: Scene) -> Scene:
@@ -138,48 +137,26 @@ def judge_in_full_space(
     model = pose(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
     state = State(model, x)
-    eigenvalues, breaking = hessian_spectra(state, scene)
+    known = FullSpace("undecided", "", None, 0, *hessian_spectra(state, scene))
     what = classify(state)
     if what.verdict == "minimum":
-        return FullSpace(
-            "stable",
-            what.reason,
-            what.kind,
-            what.local_dimension,
-            eigenvalues,
-            breaking,
-            None,
-            None,
-            None,
-        )
+        found: Any = {"kind": what.kind, "local_dimension": what.local_dimension}
+        return replace(known, verdict="stable", certificate=what.reason, **found)
     # a descent to a lower state proves that it is not a minimum
     path = descent_path(model, x)
+    why = f"{what.verdict}: {what.reason}"
     if len(path.states) < 2:
-        why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"
-        return _undecided(why, eigenvalues, breaking)
+        why += "; but no admissible state lower than it was found"
+        return replace(known, certificate=why)
+    steps = zip(path.states, path.energies, strict=True)
+    descent = tuple(Step(tuple(state.tolist()), float(energy)) for state, energy in steps)
     mode = mode_symmetry(scene, path.states[1] - path.states[0])
-    descent = tuple(
-        Step(tuple(state.tolist()), float(energy))
-        for state, energy in zip(path.states, path.energies, strict=True)
-    )
+    known = replace(known, verdict="unstable", unstable_mode=mode, descent=descent)
     if not path.arrives:
         why = f"lower states exist, but the descent stopped at no minimum: {path.what.reason}"
-        return FullSpace("unstable", why, None, 0, eigenvalues, breaking, mode, descent, None)
-    return FullSpace(
-        "unstable",
-        f"{what.verdict}: {what.reason}; a descent of admissible states ends lower",
-        None,
-        0,
-        eigenvalues,
-        breaking,
-        mode,
-        descent,
-        _landing(path, others),
-    )
-
-
-def _undecided(why: str, eigenvalues: tuple[float, ...], breaking: tuple[float, ...]) -> FullSpace:
-    return FullSpace("undecided", why, None, 0, eigenvalues, breaking, None, None, None)
+        return replace(known, certificate=why)
+    why += "; a descent of admissible states ends lower"
+    return replace(known, certificate=why, lands_on=_landing(path, others))
 
 
 def _landing(path: DescentPath, others: tuple[np.ndarray, ...]) -> LandsOn:
@@ -210,16 +187,6 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
     return out
 
 
-def group_average(scene: Scene) -> np.ndarray:
-    """Return the projector of fold angles on those that keep the scene's group: the mean of `permutations`, [N, N]."""
-    return _average(scene.group.elements, scene.degree)
-
-
-def not_judged(why: str) -> FullSpace:
-    """Return the verdict on a state that was not judged, with the reason."""
-    return FullSpace("undecided", why, None, 0, (), (), None, None, None)
-
-
 def with_full_space(
     scene: Scene, problem: PatternProblem, states: Sequence[Any], full: bool | None
 ) -> list[Any]:
@@ -233,20 +200,13 @@ def with_full_space(
 
     def verdict(x: np.ndarray) -> FullSpace:
         if time.monotonic() > problem.until:
-            return not_judged(f"{OUT_OF_TIME} before it was judged")
+            return FullSpace("undecided", f"{OUT_OF_TIME} before it was judged")
         try:
             return judge_in_full_space(scene, x, tuple(minima))
         except (np.linalg.LinAlgError, ArithmeticError) as error:
-            return not_judged(f"linear algebra failed where it was judged: {error}")
+            return FullSpace("undecided", f"linear algebra failed where it was judged: {error}")
 
     return [replace(s, full_space=verdict(s.phi)) if s.verdict == "minimum" else s for s in states]
-
-
-@lru_cache(maxsize=64)
-def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
-    i = np.arange(n)
-    images = [np.eye(n)[(s - i) % n if mirrored else (i + s) % n] for s, mirrored in elements]
-    return np.asarray(np.mean(images, axis=0))
 
 
 def mode_symmetry(scene: Scene, direction: np.ndarray) -> str:
@@ -263,27 +223,34 @@ def mode_symmetry(scene: Scene, direction: np.ndarray) -> str:
     return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
 
 
-def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
-    block.
+def symmetry_blocks(
+    scene: Scene, tangent: np.ndarray, hessian: np.ndarray, scale: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return rising eigenvalues of a Hessian [N, N] on a tangent space [N, t], and on its part that breaks a symmetry.
 
-    The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent
-    space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
-    appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
+    The part is orthogonal to symmetric perturbations (paper, appendix A); eigenvalues are times `scale`.
+    """
+    # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
+    average = np.mean([np.eye(scene.degree)[p] for _, p in permutations(scene)], axis=0)
+    share, vectors = np.linalg.eigh(tangent.T @ average @ tangent)
+    spaces = tangent, tangent @ vectors[:, share <= 0.5]
+    whole, breaking = ((np.linalg.eigvalsh(z.T @ hessian @ z) * scale).tolist() for z in spaces)
+    return tuple(whole), tuple(breaking)
+
+
+def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the `symmetry_blocks` of a state in the full space on the tangent space of closure.
+
+    The Hessian is that of the Lagrangian with the multipliers of smallest norm.  Both are empty where closure loses
+    rank or no multipliers balance the springs.
     """
     if not state.regular:
         return (), ()
     piece = state.on(state.pieces[0])
-    z, mu = state.kernel, piece.multiplier_set
+    mu = piece.multiplier_set
     if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
         return (), ()
     balance = state.gradient - piece.slopes.T @ mu.smallest
     lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
-    h = z.T @ piece.hessian_with(np.concatenate([lam, mu.smallest])) @ z
-    average = group_average(scene)
-    # coordinates c on the kernel with no symmetric part: average z c = 0
-    breaking = null_space(average @ z, INDEPENDENT)
-    scale = state.problem.scale
-    full = np.linalg.eigvalsh(h) * scale
-    block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * scale
-    return tuple(full.tolist()), tuple(block.tolist())
+    hessian = piece.hessian_with(np.concatenate([lam, mu.smallest]))
+    return symmetry_blocks(scene, state.kernel, hessian, state.problem.scale)

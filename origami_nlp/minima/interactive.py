@@ -15,8 +15,6 @@ from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import MOST_ANGLES, letter, state_lines
 from origami_nlp.minima.result import MinimaResult
 
-MOST_CURVES = 8
-"""Traced curves that a page shows."""
 CROSSING = {
     "full": "no facets of it cross",
     "fold-limits": "neighbouring facets do not cross, others may (contact fold-limits)",
@@ -62,15 +60,6 @@ def view_minima(result: MinimaResult) -> Content:
     return Content(result.title, poser.body, stations, tracks, pieces, steps=steps)
 
 
-def images(model: Any, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the creases and facets (1-based) of a contact with all its images under the symmetry of a vertex."""
-    facets = set(contact.facets)
-    for image in model.orbits.images if model.orbits else ():
-        facets |= {int(image.facets[f - 1]) + 1 for f in contact.facets}
-    pieces = enumerate(model.crossings.facet.tolist(), start=1)
-    return contact.creases, tuple(k for k, f in pieces if f + 1 in facets)
-
-
 def _contacts_and_lines(model: Any, m: JudgedState) -> tuple[tuple[Mark, ...], tuple[str, ...]]:
     """Return the marks of a state's contacts, and what is known of it."""
     few = len(m.fold_angles) <= MOST_ANGLES
@@ -81,12 +70,15 @@ def _contacts_and_lines(model: Any, m: JudgedState) -> tuple[tuple[Mark, ...], t
 
 
 def _mark(model: Any, letter: str, contact: ContactForce) -> Mark:
-    creases, facets = images(model, contact)
     low, high = contact.multiplier_range
     moment = f"{contact.multiplier:.3g} N m"
     if not contact.unique:
         moment = f"{low:.3g} to {high:.3g} N m" if math.isfinite(high) else f"≥ {low:.3g} N m"
-    at = (tuple(c - 1 for c in creases), tuple(f - 1 for f in facets))
+    facets = {f - 1 for f in contact.facets}
+    for image in model.orbits.images if model.orbits else ():  # under the symmetry of a vertex
+        facets |= {int(image.facets[f - 1]) for f in contact.facets}
+    pieces = tuple(k for k, f in enumerate(model.crossings.facet.tolist()) if f in facets)
+    at = tuple(c - 1 for c in contact.creases), pieces
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
 
 
@@ -104,7 +96,7 @@ def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
 
 def _curves(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
     """Yield the stretches of traced curves on which facets do not cross."""
-    for number, traced in enumerate(result.curves[:MOST_CURVES], start=1):
+    for number, traced in enumerate(result.curves[:8], start=1):
         seen = traced.stretches
         states = traced.curve.states if seen is None else seen.states
         good = np.ones(len(states), bool) if seen is None else ~seen.crosses

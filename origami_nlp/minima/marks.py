@@ -88,7 +88,7 @@ def mark_minima(
     here = [m for m in drawn if m.place.branch in branches]
     for m in sorted(here, key=lambda m: m.verdict == "unstable"):
         if m.place.family and font:
-            look = RING | {"markersize": FAMILY * star, "linestyle": "none"}
+            look = RING | {"ms": FAMILY * star}
             axes.plot(*m.place.point, **look, zorder=6, clip_on=False)
         mark_minimum(axes, m.place.point, m.kind, m.verdict, star)
     if font:
@@ -116,6 +116,5 @@ def marks_legend(drawn: Sequence[Drawn], star: float, rings: bool = True) -> lis
     """
     entries = minima_legend(((m.kind, m.verdict) for m in drawn), 0.85 * star)
     if rings and any(m.place.family for m in drawn):
-        look = RING | {"markersize": 12, "linestyle": "none"}
-        entries.append(Line2D([], [], **look, label="several states there"))
+        entries.append(Line2D([], [], **RING, ms=12, label="several states there"))
     return entries

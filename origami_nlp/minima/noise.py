@@ -32,14 +32,6 @@ from origami_nlp.search import StartState, at_limits, way_down
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
-MOST_NOISE = 10.0
-"""Degrees: with more, errors are no longer small beside sector angles."""
-GROWTH = 0.25, 0.5, 0.75, 1.0
-"""Shares of the errors: from one to the next states are followed."""
-OPENED = 1.0, 0.99, 0.97, 0.94
-"""Of a state's fold angles, from where it is gone down: at fully folded and flat creases errors may leave none."""
-FARTHEST = 0.2
-"""A state that moves further in one of these steps [rad] has jumped."""
 
 
 def check_noise(noise: float | None) -> None:
@@ -53,15 +45,10 @@ def check_noise(noise: float | None) -> None:
     Raises
     ------
     OptionError
-        If it is no number from 0 to `MOST_NOISE`.
+        If it is no number from 0 to 10: larger errors are no longer small beside sector angles.
     """
     if noise is not None:
-        check_number("noise", noise, 0.0, MOST_NOISE)
-
-
-def _has_jumped(x: np.ndarray, y: np.ndarray) -> bool:
-    """Return whether a state is too far from another one to be what errors made of it."""
-    return bool(np.abs(y - x).max() > FARTHEST)
+        check_number("noise", noise, 0.0, 10.0)
 
 
 def downhill(
@@ -72,7 +59,8 @@ def downhill(
     aside: direction [n] that says to which side saddles are left.  engine: makes ways down of a problem.
     """
     go_down = engine(problem)
-    for share in OPENED:
+    # opened a little: at fully folded and flat creases errors may leave none
+    for share in (1.0, 0.99, 0.97, 0.94):
         start = problem.fold_limits.clip(share * x)
         end, why = go_down(StartState(start, at_limits(problem, start)), aside)
         if not why and classify(State(problem, end)).verdict == "minimum":
@@ -212,7 +200,8 @@ def _noisy(
     elif flat is not None and moves:
         paper = replace(paper, corners=flat, reference=np.zeros(problem.size))
         moved = size * displacements(paper, labels, first, second)
-    for t in GROWTH:
+    # from one share of the errors to the next states are followed
+    for t in (0.25, 0.5, 0.75, 1.0):
         corners, reference = paper.corners + t * moved, paper.reference
         if len(sectors):
             corners, reference = problem.shape(p.sectors + t * sectors)
@@ -242,7 +231,8 @@ def _survives(
             new = downhill(after, x, aside, engine) if new is None else new
         except (np.linalg.LinAlgError, ArithmeticError):
             return False
-        if new is None or _has_jumped(x, new):
+        # further than any follows [rad] in one step
+        if new is None or np.abs(new - x).max() > 0.2:
             return False
         x = new
     return True

@@ -1,24 +1,23 @@
 """The picture of minima: energy landscape with the minima marked, and a drawing of every state.
 
-Sizes are in inches and worked out from the contents, so that many minima make a larger figure, not a crowded one:
-states stand beside the landscape while there is room, the others below it, then come the legend and few words.  Uses
-matplotlib's object interface only: no global state, any backend.
+A few states stand beside the landscape, more of them below it, then come the legend and few words.  Uses matplotlib's
+object interface only: no global state, any backend.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 from os import PathLike
 from typing import Any
 
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.chart import (
+    UNIT,
     Landscape,
     Place,
     area_legend,
-    colour_bar,
     draw_area,
     draw_curves,
     landscape,
@@ -26,42 +25,25 @@ from origami_nlp.chart import (
     outline_of,
 )
 from origami_nlp.display import (
-    MARGIN,
     MOST_DRAWN,
     WARNING,
-    StackedFigure,
-    StatesDrawn,
+    WIDTH,
+    add_heading,
+    cell_size,
     label_text,
+    lay_out_states,
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.io import save_figure
 from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.rows import energy_unit
 from origami_nlp.pattern import Pattern, Scene
 
 STAR, FONT = 16.0, 11.0
 """Size of a star, and of the letters of its number [points]."""
-
-
-@dataclass(frozen=True)
-class _Panels:
-    """Branches in each panel of the landscape, and sizes [in]: of a panel, and of what is around it."""
-
-    groups: tuple[tuple[int, ...], ...] = ()
-    width: float = 4.4
-    height: float = 4.4
-    left: float = 0.7
-    right: float = 0.85
-    below: float = 0.55
-
-    @property
-    def total(self) -> tuple[float, float]:
-        """Width and height of all of it."""
-        if not self.groups:
-            return 0.0, 0.0
-        return len(self.groups) * (self.left + self.width) + self.right, self.height + self.below
+SIDE = 5.0
+"""Of a panel of the landscape [in]."""
 
 
 def draw_minima(
@@ -114,76 +96,77 @@ def draw_minima(
     if path is not None:
         check_path("path", path)
     chart = landscape(origami, size) if isinstance(origami, Scene) else None
-    panels, shown = _panels(chart), minima[:MOST_DRAWN]
-    places = (
-        [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels.groups else []
-    )
-    rows, unit = result.rows[:MOST_DRAWN], energy_unit(origami)
-    states = StatesDrawn(
-        origami,
-        [row.caption(unit) for row in rows],
-        [m.phi for m in shown],
-        [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
-        colours=[WARNING if row.full_space == "unstable" else "black" for row in rows],
-        beside=panels.total,
-    )
-    drawn, handles = drawn_minima(origami, shown, places), []
-    if chart is not None:
-        handles = _draw_curve_names(chart) + marks_legend(drawn, STAR)
-        handles += area_legend(chart, outline_of(chart.scene)) if chart.kind == "area" else []
-    notes = _notes(minima, chart, places)
-    body, title = (max(states.width, 6.0), states.height), [label_text(result.verdict)]
-    stack = StackedFigure(*body, title, handles + states.legend(), notes)
-    if chart is not None:
-        _draw_panels(stack, chart, panels, drawn, [m.energy for m in shown])
-    states.draw(stack)
+    shown, rows = minima[:MOST_DRAWN], result.rows[:MOST_DRAWN]
+    panels = _panels(chart)
+    places = [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels else []
+    drawn, handles = drawn_minima(origami, shown, places), list[Any]()
+    wide, tall = cell_size(origami)
+    beside = bool(panels) and len(shown) <= 6
+    side = SIDE * len(panels)
+    across = math.ceil(len(shown) / 2) if beside else int(max(side, WIDTH) / wide)
+    across = max(1, min(across, len(shown)))
+    states = across * wide * bool(shown), math.ceil(len(shown) / across) * tall
+    width, height = max(side, states[0]), SIDE * bool(panels) + states[1]
+    if beside:
+        width, height = side + states[0], max(SIDE, states[1])
+    figure = Figure(figsize=(max(width, 6.0), height + 1.2), dpi=110, layout="constrained")
+    parts: Any = [figure, figure]
+    if panels and shown:
+        shares: Any = (
+            {"width_ratios": (side, states[0])} if beside else {"height_ratios": (SIDE, states[1])}
+        )
+        parts = figure.subfigures(1 + (not beside), 1 + beside, **shares)
+    if chart is not None and panels:
+        handles = _draw_landscape(parts[0], chart, panels, drawn, [m.energy for m in shown])
+    if shown:
+        handles += lay_out_states(
+            parts[1],
+            origami,
+            [(row.caption(), m.phi) for row, m in zip(rows, shown, strict=True)],
+            across,
+            [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
+            colours=[WARNING if row.full_space == "unstable" else "black" for row in rows],
+        )
+    add_heading(figure, label_text(result.verdict), handles, _notes(minima, chart, places))
     if path is not None:
-        save_figure(stack.figure, path)
-    return stack.figure
+        save_figure(figure, path)
+    return figure
 
 
-def _panels(chart: Landscape | None) -> _Panels:
+def _panels(chart: Landscape | None) -> list[list[int]]:
+    """Return the branches in each panel of the landscape."""
     if chart is None or chart.kind == "none":
-        return _Panels()
-    if chart.kind == "curve":
-        return _Panels(((0,),), right=0.2)
-    count = len(chart.branches)
-    if chart.one_plane:
-        return _Panels((tuple(range(count)),))
-    return _Panels(tuple((k,) for k in range(count)), width=3.0)
+        return []
+    every = list(range(len(chart.branches)))
+    return [every] if chart.kind == "curve" or chart.one_plane else [[k] for k in every]
 
 
-def _draw_curve_names(chart: Landscape) -> list[Any]:
-    """Return the names of curves for the legend; they are drawn into Axes that nobody sees."""
-    return draw_curves(Figure().add_subplot(), chart) if chart.kind == "curve" else []
-
-
-def _draw_panels(
-    stack: StackedFigure,
+def _draw_landscape(
+    figure: FigureBase,
     chart: Landscape,
-    panels: _Panels,
+    panels: list[list[int]],
     drawn: list[Drawn],
     energies: list[float],
-) -> None:
-    norm = norm_of(chart, energies) if chart.kind == "area" else None
-    image = None
-    for number, group in enumerate(panels.groups):
-        x = MARGIN + panels.left + number * (panels.left + panels.width)
-        box = stack.axes(x, 0.0, panels.width, panels.height)
-        if norm is None:
-            curves = draw_curves(box, chart)
+) -> list[Any]:
+    """Draw a landscape with the minima marked, and return entries of the legend."""
+    handles, area = list[Any](marks_legend(drawn, STAR)), chart.kind == "area"
+    outline = outline_of(chart.scene) if area else None
+    norm: Any = norm_of(chart, energies) if area else None
+    every: Any = figure.subplots(1, len(panels), squeeze=False)[0]
+    for axes, panel in zip(every, panels, strict=True):
+        if not area:
+            curves = draw_curves(axes, chart)
             # numbers keep off the curves
             points = [p for line in curves for p in line.get_xydata()[::2]]
             clear = [((float(x), float(y)), 2.0) for x, y in points]
-            mark_minima(box, drawn, range(len(chart.branches)), STAR, FONT, clear)
-            return
-        image = draw_area(box, chart, group, norm, outline_of(chart.scene))
-        mark_minima(box, drawn, group, STAR, FONT)
-        if len(panels.groups) > 1:
-            box.set_title(chart.branches[group[0]].name.replace("-", "−"), fontsize=10, pad=4)
-    if image is not None:
-        x = MARGIN + panels.total[0] - panels.right + 0.12
-        colour_bar(image, stack.axes(x, 0.1, 0.14, panels.height - 0.2))
+            mark_minima(axes, drawn, panel, STAR, FONT, clear)
+            return curves + handles
+        image = draw_area(axes, chart, panel, norm, outline)
+        mark_minima(axes, drawn, panel, STAR, FONT)
+        if len(panels) > 1:
+            axes.set_title(chart.branches[panel[0]].name.replace("-", "−"), fontsize=10)
+    figure.colorbar(image, ax=every, shrink=0.9, label=f"energy U [{UNIT}]")
+    return handles + area_legend(chart, outline)
 
 
 def _notes(
@@ -193,16 +176,13 @@ def _notes(
     notes = []
     if chart is not None and chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")
-    reported: dict[str, list[str]] = {}
-    for number, place in enumerate(places, start=1):
-        if place.family and place.drawn:
-            reported.setdefault(place.family, []).append(str(number))
-    for family, numbers in reported.items():
-        notes.append(f"At {', '.join(numbers)}: {family}.")
-    beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
-    if beyond:
+    each = list(enumerate(places, start=1))
+    for family in dict.fromkeys(p.family for p in places if p.family and p.drawn):
+        at = ", ".join(str(k) for k, p in each if p.family == family and p.drawn)
+        notes.append(f"At {at}: {family}.")
+    if beyond := ", ".join(str(k) for k, p in each if not p.drawn):
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > 180°, "
+            f"Not on the landscape ({beyond}): facets have passed through each other, |φ| > 180°, "
             "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN

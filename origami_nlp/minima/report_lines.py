@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from string import ascii_uppercase
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from origami_nlp.display import Cell, Table
+from origami_nlp.display import Table
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.rows import rounded
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
@@ -18,15 +19,11 @@ if TYPE_CHECKING:
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
-FEW_ANGLES = 9
-"""Fold angles that are written to a thousandth of a degree in one line; more, to a hundredth."""
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-"""Names of the contacts of a state, in a report and on a page."""
 
 
 def letter(number: int) -> str:
-    """Return the name of a contact, from 0."""
-    return LETTERS[number % len(LETTERS)]
+    """Return the name of a contact of a state, from 0, in a report and on a page."""
+    return ascii_uppercase[number % 26]
 
 
 def state_lines(m: JudgedState) -> Iterator[str]:
@@ -72,7 +69,7 @@ def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterat
     yield f"fold angles of creases 1..{n} [deg]"
     for k in numbers:
         m = minima[k - 1]
-        digits = 3 if n <= FEW_ANGLES else 2
+        digits = 3 if n <= 9 else 2
         shown = np.round(np.degrees(m.fold_angles), digits) + 0.0
         angles = " ".join(f"{a:{digits + 5}.{digits}f}" for a in shown)
         winds = f"   winds {m.winding} times round the axis" * (m.winding > 1)
@@ -83,39 +80,35 @@ def lattice_table(
     lattices: Sequence[FoldedLattice | FoldedTube], numbers: Sequence[int] = (), first: str = "#"
 ) -> Table:
     """Return the folded lattice of states of a cell, or their tubes, and how each gives way, a row each."""
-    from origami_nlp.pattern_problem import FoldedLattice, FoldedTube  # only cells need them
+    from origami_nlp.pattern_problem import FoldedTube  # only cells need them
 
-    each = [str(k) for k in numbers or range(1, len(lattices) + 1)]
-    if isinstance(lattices[0], FoldedTube):
-        return _tube_table([x for x in lattices if isinstance(x, FoldedTube)], each, first)
     heads = [first, "a", "b", "angle\n[deg]"]
     heads += [f"{what}\nalong {x}" for what in ("Poisson", "stiffness") for x in "ab"]
-    rows: list[list[Cell]] = []
-    for number, one in zip(each, lattices, strict=False):
-        assert isinstance(one, FoldedLattice)
-        row: list[Cell] = [number, *(f"{rounded(x, max(one.lengths)):.6g}" for x in one.lengths)]
-        row.append("-" if math.isnan(one.angle) else f"{math.degrees(one.angle):.6g}")
-        row += ["-" if math.isnan(x) else f"{x:.6g}" for x in one.poisson]
-        row += [
-            "rigid" if math.isinf(x) else "-" if math.isnan(x) else f"{x:.4g}"
-            for x in one.stiffness
-        ]
-        rows.append(row)
     title = "lattice vectors a and b of a cell; a force along one of them, the other free; stiffness in N m/length^2"
-    return Table(heads, rows, title, "rrrrrrrr", framed=False, narrow=True)
+    if isinstance(lattices[0], FoldedTube):
+        heads = [first, "radius", "from", "to"]
+        heads += [f"{what}\nalong {x}" for what in ("turn [deg]", "advance") for x in "ab"]
+        heads.append("length\na cell")
+        title = "copies of a cell lie round an axis: the next along a or b is turned about it and advanced along it"
+    each = zip(numbers or range(1, len(lattices) + 1), lattices, strict=False)
+    rows = [[str(number), *_measures(one)] for number, one in each]
+    return Table(heads, rows, title, "r" * len(heads), framed=False, narrow=True)
 
 
-def _tube_table(tubes: Sequence[FoldedTube], numbers: Sequence[str], first: str) -> Table:
-    """Return the table of cells that are rolled up."""
-    heads = [first, "radius", "from", "to"]
-    heads += [f"{what}\nalong {x}" for what in ("turn [deg]", "advance") for x in "ab"]
-    heads.append("length\na cell")
-    rows: list[list[Cell]] = []
-    for number, one in zip(numbers, tubes, strict=False):
+def _measures(one: FoldedLattice | FoldedTube) -> list[str]:
+    """Return the cells of a row of `lattice_table`."""
+    from origami_nlp.pattern_problem import FoldedTube
+
+    def text(x: float, size: float = 0.0, digits: int = 6) -> str:
+        if math.isfinite(x):
+            return f"{rounded(x, size):.{digits}g}"
+        return "-" if math.isnan(x) else "rigid"
+
+    if isinstance(one, FoldedTube):
         places = one.radius, *one.radii, *one.advances, one.length
         size = max((abs(x) for x in places if math.isfinite(x)), default=1.0)
-        said = ["-" if math.isnan(x) else f"{rounded(x, size):.6g}" for x in places]
-        turns = ["-" if math.isnan(x) else f"{math.degrees(x):.6g}" for x in one.turns]
-        rows.append([number, *said[:3], *turns, *said[3:]])
-    title = "copies of a cell lie round an axis: the next along a or b is turned about it and advanced along it"
-    return Table(heads, rows, title, "r" * len(heads), framed=False, narrow=True)
+        said = [text(x, size) for x in places]
+        return [*said[:3], *(text(math.degrees(x)) for x in one.turns), *said[3:]]
+    lengths = (text(x, max(one.lengths)) for x in one.lengths)
+    gives = [*map(text, one.poisson), *(text(x, 0.0, 4) for x in one.stiffness)]
+    return [*lengths, text(math.degrees(one.angle)), *gives]

@@ -6,6 +6,7 @@ A multiplier range that never ends, or a residual that does not apply, is null.
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,12 +25,12 @@ from origami_nlp.display import (
     Viewable,
     angle_columns,
     field_table,
-    inline_image,
     pieces_html,
     record_row,
     record_table,
 )
 from origami_nlp.errors import OptionError
+from origami_nlp.io import figure_bytes
 from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
@@ -37,7 +38,7 @@ from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Part, minima_to_fold
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import angle_lines, lattice_table, state_lines
-from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_table, state_rows
+from origami_nlp.minima.rows import CERTIFIED, StateRow, listed_table, state_rows
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.summary import find_images, verdict_words
 from origami_nlp.numerics import INPUT_TOL, rank
@@ -47,11 +48,8 @@ from origami_nlp.pattern_problem import MeshFaces, state_mesh, state_parts
 if TYPE_CHECKING:
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
 
-SUCCESS = "Solve_Succeeded"
-"""What IPOPT says where it converged."""
 MOST_LINES = 30
 """States of which the report has a line; the others are in its details."""
-MODELLED = "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 SIZE, DPI = 301, 72
 """Cells along each coordinate, and dots an inch, of a picture in HTML: to keep notebooks small."""
 
@@ -157,11 +155,6 @@ class MinimaResult(Report, Viewable):
         return self.search.rejected
 
     @property
-    def crossing(self) -> tuple[JudgedState, ...]:
-        """States that are not admissible, such as those in which facets intersect: rejected."""
-        return tuple(s for s in self.rejected if s.verdict == "not admissible")
-
-    @property
     def states(self) -> tuple[JudgedState, ...]:
         """All that was judged and kept, by energy."""
         every = (*self.minima, *self.undecided, *self.rejected)
@@ -190,10 +183,6 @@ class MinimaResult(Report, Viewable):
         lattice = pattern_problem.measured_cell(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
-    def _self_stress(self, state: JudgedState) -> int:
-        equations: int = self.model.equation_count
-        return equations - self.pattern.creases + state.dof
-
     @property
     def flags(self) -> ResultFlags:
         """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
@@ -211,7 +200,9 @@ class MinimaResult(Report, Viewable):
             still_finding=not settled and search.drawn > 0 and search.quiet == 0,
             proof_added_minima=bool(known and known.added),
             undecided_states=bool(search.undecided),
-            solver_failed=any(m.solver and m.solver.status != SUCCESS for m in self.minima),
+            solver_failed=any(
+                m.solver and m.solver.status != "Solve_Succeeded" for m in self.minima
+            ),
             residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
             geometry_moved=bool(one and one.relations.made_exact),
             made_symmetric=bool(one and one.adjusted > 0),
@@ -330,7 +321,7 @@ class MinimaResult(Report, Viewable):
 
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
-        return listed_table(self.rows, self.verdict, energy_unit(self.origami))
+        return listed_table(self.rows, self.verdict)
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
@@ -362,13 +353,15 @@ class MinimaResult(Report, Viewable):
         yield self.flags.table()
         if self.completeness:
             yield from self.completeness.report_sections()
-        if others := (*self.undecided, *self.search.refused, *self.crossing):
+        crossing = [s for s in self.rejected if s.verdict == "not admissible"]
+        if others := (*self.undecided, *self.search.refused, *crossing):
             yield record_table(others[:MOST_LINES], "states that are not listed")
         yield field_table(self.search, "search")
         if self.is_pattern:
-            stress = sorted({self._self_stress(s) for s in self.minima})
+            open_ = self.model.equation_count - self.pattern.creases
+            stress = sorted({open_ + s.dof for s in self.minima})
             yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
-        yield MODELLED
+        yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for row, m in zip(self.rows, self.minima, strict=True):
@@ -391,17 +384,17 @@ class MinimaResult(Report, Viewable):
         if not picture or not (self.minima or isinstance(self.origami, Scene)):
             return reported
         figure = self._from_room(self.PICTURE)(self, size=SIZE)  # pictures are slow to import
+        data = base64.b64encode(figure_bytes(figure, "png", DPI)).decode("ascii")
         text = "The states, each drawn folded, and the energy landscape where there is one"
-        return f"{reported}\n{inline_image(figure, text, DPI)}"
+        look = f"width='{figure.get_figwidth() * DPI:.0f}' style='max-width:100%;height:auto'"
+        return f"{reported}\n<img alt='{text}' {look} src='data:image/png;base64,{data}'>"
 
     def _repr_html_(self) -> str:
         return self.to_html()
 
     def view_content(self) -> Content:
         """Return states, descents and traced curves as plain data, see `view`."""
-        content: Content = self._from_room("view_minima")(
-            self
-        )  # bodies in space are slow to import
+        content: Content = self._from_room("view_minima")(self)  # bodies are slow to import
         return content
 
 

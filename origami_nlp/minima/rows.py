@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -56,6 +57,8 @@ class StateRow:
         Of its `Escape`.
     survival
         Draws of errors that it survives.
+    unit
+        Energies [J] that are rounding of this are printed as 0, see `energy_unit`.
     """
 
     scene: str = field(metadata=shown())
@@ -79,23 +82,18 @@ class StateRow:
     barrier_method: str | None = field(metadata=shown())
     shallow: bool = field(metadata=shown())
     survival: str | None = field(metadata=shown("survives", side="r"))
+    unit: float = field(repr=False)
 
-    def listed(self, scale: float) -> StateRow:
-        """Return it as it is printed: without energy that is rounding, and of an image whose image it is.
-
-        Parameters
-        ----------
-        scale
-            Of `energy_unit`.
-        """
-        row = replace(self, energy=rounded(self.energy, scale))
+    def listed(self) -> StateRow:
+        """Return it as it is printed: without energy that is rounding, and of an image whose image it is."""
+        row = replace(self, energy=rounded(self.energy, self.unit))
         if not self.image:
             return row
         return replace(row, held=self.image, softest=None, escape="")
 
-    def caption(self, scale: float) -> str:
+    def caption(self) -> str:
         """Return three lines of a picture: number, energy and verdict; kind; what it takes to leave it."""
-        row = self.listed(scale)
+        row = self.listed()
         kind = ", ".join(filter(None, (row.kind, row.image)))
         said = f"{row.number}:  U = {row.energy:.4g} J, {row.stability}\n{kind}"
         bound = row.escape.startswith("<")
@@ -132,27 +130,22 @@ def state_rows(
         known, image = verdict(origami, m), images[k][1] if k in images else ""
         said = words.get(known, known) + ", shallow" * m.shallow, held_words(m), image
         found = m.energy, m.kind, m.local_dimension, m.closure_residual, m.kkt_residual, m.hits
-        barrier = (m.escape.barrier, m.escape.method) if m.escape else (None, None)
-        left = (
-            m.softest,
-            _escape(m, unit),
-            *barrier,
-            m.shallow,
-            str(m.survival) if m.survival else None,
-        )
+        e, survival = m.escape, m.survival and str(m.survival)
+        left = m.softest, _escape(m, unit), e and e.barrier, e and e.method, m.shallow, survival
         stable = known == "stable" and not m.shallow
-        rows.append(StateRow(name, k, *found, stable, known, *said, *left))
+        row: Any = name, k, *found, stable, known, *said, *left, unit
+        rows.append(StateRow(*row))
     return tuple(rows)
 
 
-def listed_table(rows: Sequence[StateRow], title: str, scale: float) -> Table:
+def listed_table(rows: Sequence[StateRow], title: str) -> Table:
     """Return a line a state: stable ones first, then those that geometry isolates, unstable ones, shallow ones."""
 
     def place(row: StateRow) -> tuple[int, int]:
         late = 4 * row.shallow + 2 * (row.full_space == "unstable")
         return late + (row.dimension == 0 and row.number > 1), row.number
 
-    in_order = [row.listed(scale) for row in sorted(rows, key=place)]
+    in_order = [row.listed() for row in sorted(rows, key=place)]
     return record_table(in_order, title, LISTED, narrow=True)
 
 
@@ -171,27 +164,22 @@ def held_words(m: JudgedState) -> str:
         return "geometry: isolated"
     contacts = sorted(m.contacts, key=lambda c: (not c.is_limit, sorted(c.facets)))
     pushing = [c for c in contacts if c.multiplier_range[0] > 0]
-    loaded = [c for c in pushing if c.unique]
     shared = [c for c in contacts if not c.unique]
-    parts = ["springs"] * (not loaded and not shared)
-    parts += [f"{_who([c])}: {c.multiplier:.3g} {_unit(c)}" for c in loaded[:MOST_NAMES]]
-    parts += [f"{len(loaded) - MOST_NAMES} more contacts"] * (len(loaded) > MOST_NAMES)
+    parts = ["springs"] * (not pushing and not shared)
+    for c in pushing[:MOST_NAMES]:
+        unit = "N m/length" if c.is_force else "N m"
+        parts.append(f"{_who([c])}: {'>= ' * (not c.unique)}{c.multiplier_range[0]:.3g} {unit}")
+    parts += [f"{len(pushing) - MOST_NAMES} more contacts"] * (len(pushing) > MOST_NAMES)
+    if rest := [c for c in shared if c not in pushing]:
+        parts.append(_who(rest))
     if shared:
-        least = [c for c in shared if c in pushing][:MOST_NAMES]
-        some = [f"{_who([c])}: >= {c.multiplier_range[0]:.3g} {_unit(c)}" for c in least]
-        if rest := [c for c in shared if c not in least]:
-            some.append(_who(rest))
-        parts.append(f"{'; '.join(some)} (statically indeterminate)")
+        parts[-1] += " (statically indeterminate)"
     kinds = (("fully folded", True, False), ("at a stop", True, True), ("touching", False, False))
     for word, limit, stop in kinds:
         idle = [c for c in contacts if c.unique and c not in pushing]
         if same := [c for c in idle if (c.is_limit, c.is_stop) == (limit, stop)]:
             parts.append(f"{_who(same, named=False)} {word}, no load")
     return "; ".join(parts)
-
-
-def _unit(c: ContactForce) -> str:
-    return "N m/length" if c.is_force else "N m"
 
 
 def _who(contacts: Sequence[ContactForce], named: bool = True) -> str:

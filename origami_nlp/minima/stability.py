@@ -21,14 +21,9 @@ def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
     """
     if minimum.full_space is not None:
         return minimum.full_space.verdict
-    if is_symmetric(origami):
+    if origami.is_symmetric:
         return NOT_ASKED
     return "stable" if isinstance(origami, Pattern) or origami.contact == "full" else ""
-
-
-def is_symmetric(origami: Scene | Pattern) -> bool:
-    """Return whether states are asked to keep a symmetry."""
-    return origami.is_symmetric
 
 
 def judged(origami: Scene | Pattern, minimum: JudgedState) -> str | None:

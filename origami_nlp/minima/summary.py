@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.escapes import Move
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import is_symmetric, verdict
+from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Pattern, Scene, symmetries
 from origami_nlp.search import CLOSES_NOT
@@ -26,6 +28,15 @@ PROVED = {
     "proved": "list proved complete",
     "proved-except-singular": "list proved complete but for singular states",
 }
+
+COUNTED = (
+    ("stable", "stable state", "stable states"),
+    ("unstable", *("stable only while the symmetry is kept",) * 2),
+    ("undecided", *("not decided without the symmetry",) * 2),
+    ("not asked", "symmetric minimum", "symmetric minima"),
+    ("", "minimum", "minima"),
+)
+"""How minima are called by their verdict, one of them and several."""
 
 
 def find_images(
@@ -72,14 +83,12 @@ def _first(found: dict[int, tuple[int, str]], number: int) -> tuple[int, str]:
     return first, f"{words if direct else 'image'} of {first}"
 
 
-def _symmetries(
-    origami: Scene | Pattern,
-) -> Iterator[tuple[Callable[[np.ndarray], np.ndarray], str]]:
+def _symmetries(origami: Scene | Pattern) -> Iterator[tuple[Move, str]]:
     if isinstance(origami, Pattern):
         from origami_nlp.pattern_problem import find_labels, image
 
         for to in find_labels(origami).symmetries(origami):
-            yield lambda phi, to=to: image(to, phi), "image"  # type: ignore[misc]
+            yield partial(image, to), "image"
         return
     # where a state has a symmetry itself several take it there: the plainest one is named
     for one in sorted(symmetries(origami), key=lambda g: (g.over, g.backward, g.start)):
@@ -99,34 +108,20 @@ def verdict_words(
     """Say how many states are stable, under which assumptions, and whether the list is complete."""
     known = Counter("shallow" if m.shallow else verdict(origami, m) for m in minima)
     shallow, status = known.pop("shallow", 0), completeness.status if completeness else ""
-    parts = []
-    if known["stable"]:
-        parts.append(_many(known["stable"], "stable state"))
-    elif not minima:
+    parts = list[str]()
+    for key, one, more in COUNTED:
+        if n := known[key]:
+            another = "more " * (bool(parts) and one == more)
+            parts.append(f"{n} {another}{one if n == 1 else more}")
+    if not minima:
         parts.append(_none_words(origami, completeness, search))
-    for key, words in (
-        ("unstable", "stable only while the symmetry is kept"),
-        ("undecided", "not decided without the symmetry"),
-    ):
-        if known[key]:
-            parts.append(f"{known[key]} {'more ' * bool(parts)}{words}")
-    for key, one, more in (
-        ("not asked", "symmetric minimum", "symmetric minima"),
-        ("", "minimum", "minima"),
-    ):
-        if known[key]:
-            parts.append(f"{known[key]} {one if known[key] == 1 else more}")
     if shallow:
         ones = ("state" if not parts else "one") + "s" * (shallow > 1)
         parts.append(f"{shallow} shallow {ones} (barrier below {LEAST} of sum k pi^2/2)")
         parts[-2:] = [", and ".join(parts[-2:])]
-    notes = [f"symmetry {origami.group.name} kept"] if is_symmetric(origami) else []  # type: ignore[union-attr]
+    notes = [f"symmetry {origami.group.name} kept"] if origami.is_symmetric else []  # type: ignore[union-attr]
     notes += [ASSUMED[search.contact], PROVED.get(status) or search.open_words]
     return f"{'; '.join(parts)} ({', '.join(notes)})"
-
-
-def _many(many: int, noun: str) -> str:
-    return f"{many} {noun}{'s' * (many != 1)}"
 
 
 def _none_words(
@@ -145,7 +140,7 @@ def _none_words(
     why = [reason for reason in search.stopped if reason != CLOSES_NOT]
     why += ["interrupted" if search.interrupted else OUT_OF_TIME] * late
     if n := len(search.undecided):
-        why = [f"{_many(n, 'state')} found, none certified"]
+        why = [f"{n} state{'s' * (n != 1)} found, none certified"]
     elif why:
         crossed = any(s.crossings for s in search.rejected)
         why.insert(0, "facets cross in all that was found" if crossed else "none was found")

@@ -396,9 +396,11 @@ def _bounds(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return speed, 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
 
 
-def last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
-    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
-    for _ in range(HALVINGS):
+def last_free(
+    problem: PatternProblem, free: np.ndarray, crossed: np.ndarray, halvings: int = HALVINGS
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bisect between a closed state [n] without crossings and one with some near by: the last one, and the first."""
+    for _ in range(halvings):
         middle, residual = problem.project(0.5 * (free + crossed))
         if residual > CLOSURE_TOL:
             break
@@ -406,4 +408,4 @@ def last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) ->
             crossed = middle
         else:
             free = middle
-    return free
+    return free, crossed

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.display import crease_legend, draw_creases, draw_state, draw_states, label_text
+from origami_nlp.display import (
+    crease_legend,
+    draw_creases,
+    draw_state,
+    draw_states,
+    label_text,
+    line_scale,
+)
 from origami_nlp.pattern import in_plane
 from origami_nlp.pattern_states.mobility import Mobility
 from origami_nlp.pattern_states.motion import Motion
@@ -43,11 +49,9 @@ def draw_mobility(seen: Mobility) -> Figure:
             )
             creases = {tuple(e) for e in p.ends.tolist()}
             border = [s for s, n in count.items() if n == 1 and s not in creases]
-            scale = min(1.0, 12 / math.sqrt(max(len(p.polygons), 1)))
             edges = np.array([*border, *p.ends.tolist()])
-            handles[:2] = draw_creases(
-                axes, in_plane(p), edges, "B" * len(border) + "".join(p.assignment), scale
-            )
+            letters = "B" * len(border) + "".join(p.assignment)
+            handles[:2] = draw_creases(axes, in_plane(p), edges, letters, line_scale(p))
         else:
             draw_state(axes, p, phi)
         axes.set_title(label_text(title), fontsize=10)

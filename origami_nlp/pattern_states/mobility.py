@@ -16,35 +16,22 @@ from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NOISE, RANK
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import MOVES, Layers, PatternProblem, angle_sums, check_orders
 
-SIZES = (0.3, 0.5, 1.0)
-"""Fold angles from which mountains and valleys are folded [rad]."""
 DRAWN = (0.5, 1.0, 2.0)
 """Largest fold angles of random starts [rad]."""
-MOST_DRAWN = 30
-"""Of such starts; one of the largest sheets."""
-NEIGHBOURS = 6
-"""States beside a folded one that are looked at, whether their rank is higher."""
 OFFSET = 0.1
 """How far from it they start [rad]."""
-MOST_VALUES = 1_000
-"""Creases up to which states beside a folded one are looked at."""
-COUNTS = (
-    "facets",
-    "creases",
-    "interior_vertices",
-    "holes",
-    "dof",
-    "redundant",
-    "closure_rows",
-    "rank_flat",
-    "rank_folded",
-)
-"""Of a `Mobility`, in the order of its table."""
-LABELS = {
+COUNTS = {
+    "facets": "facets",
+    "creases": "creases",
+    "interior_vertices": "interior vertices",
+    "holes": "holes",
     "dof": "degrees of freedom",
     "redundant": "states of self-stress",
     "closure_rows": "closure equations",
+    "rank_flat": "rank flat",
+    "rank_folded": "rank folded",
 }
+"""Of a `Mobility`, as its table calls them."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,7 +112,7 @@ class Mobility(Report):
 
     PICTURE = "draw_mobility"
     SCHEMA = "origami-nlp/pattern/3"
-    ALSO = (*COUNTS[:6], "flags")
+    ALSO = (*list(COUNTS)[:6], "flags")
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None
@@ -171,37 +158,30 @@ class Mobility(Report):
     @property
     def verdict(self) -> str:
         """How many degrees of freedom it has, in a sentence."""
-        words = {
-            None: "degrees of freedom not decided: no folded state was found",
-            0: "rigid: no degree of freedom is left",
-            1: "folds with 1 degree of freedom",
-        }
-        said = words.get(self.dof, f"folds with {self.dof} degrees of freedom")
-        through = self.folded is not None and self.crossed
-        return f"{self.pattern.title}: {said}{', but facets cross where it was folded' if through else ''}"
+        said = f"folds with {self.dof} degree{'s' * (self.dof != 1)} of freedom"
+        if self.dof is None:
+            said = "degrees of freedom not decided: no folded state was found"
+        elif not self.dof:
+            said = "rigid: no degree of freedom is left"
+        crossing = ", but facets cross where it was folded" * (self.crossed > 0)
+        return f"{self.pattern.title}: {said}{crossing}"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over a table of what there is, and what is odd."""
         p = self.pattern
         degrees = Counter(len(loop.creases) for loop in p.vertices)
         letters = Counter(p.assignment)
+        of_degree = (f"{n} of degree {d}" for d, n in sorted(degrees.items()))
         remarks = {
-            "interior_vertices": ", ".join(
-                f"{n} of degree {d}" for d, n in sorted(degrees.items())
-            ),
+            "interior_vertices": ", ".join(of_degree),
             "creases": ", ".join(f"{letters[a]} {a}" for a in "MVUF" if letters[a]),
             "dof": f"counted at one folded state: {self.start}" * (self.folded is not None),
             "closure_rows": "3 a vertex, 6 a hole",
         }
-        values = ((name, getattr(self, name)) for name in COUNTS)
-        rows = [
-            (
-                LABELS.get(name, name.replace("_", " ")),
-                "-" if n is None else f"{n}",
-                remarks.get(name, ""),
-            )
-            for name, n in values
-        ]
+        rows = []
+        for name, label in COUNTS.items():
+            n = getattr(self, name)
+            rows.append((label, "-" if n is None else str(n), remarks.get(name, "")))
         if self.layers is not None and (self.layers.pairs or p.orders):
             rows.append(("pairs of layers", str(self.layers.pairs), self.layers.words()))
         yield Table(("", "number", ""), rows, self.verdict, "lrL", framed=False)
@@ -292,30 +272,31 @@ def _closed(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
 
 def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
     """Return the closed state in which most creases are folded, and what it was reached from."""
-    best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")
+    best, state, reached = (0, 0), None, ""
     for phi, start in _starts(problem.pattern, rng):
         new = _closed(problem, phi)
         moved = 0 if new is None else int((np.abs(new) > MOVES).sum())
-        if new is None or moved < max(best[0][0], 1):
+        if new is None or moved < max(best[0], 1):
             continue
         crossed = len(problem.crossings.find(new))
-        if (moved, -crossed) > best[0] or best[1] is None:
-            best = (moved, -crossed), new, start
+        if (moved, -crossed) > best:
+            best, state, reached = (moved, -crossed), new, start
         if moved == problem.size and not crossed:
             break
-    return _regular(problem, best[1], best[2], rng)
+    return _regular(problem, state, reached, rng)
 
 
 def _regular(
     problem: PatternProblem, phi: np.ndarray | None, start: str, rng: np.random.Generator
 ) -> tuple[np.ndarray | None, str]:
     """Move off a state at which more creases are aligned by chance than in its neighbourhood."""
-    if phi is None or problem.size > MOST_VALUES:
+    # of larger sheets states beside it are not looked at
+    if phi is None or problem.size > 1_000:
         return phi, start
     rank = problem.rank(phi)
     if rank == min(problem.closure.count, problem.size - 1):
         return phi, start
-    for _ in range(NEIGHBOURS):
+    for _ in range(6):
         z = problem.kernel(phi)
         inwards = np.clip(phi, OFFSET - math.pi, math.pi - OFFSET)
         new = _closed(problem, inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
@@ -332,8 +313,9 @@ def _starts(p: Pattern, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, 
     if given.any() and (np.abs(given) < math.pi).all():
         yield given, "fold angles of the file"
     if p.signs.any():
-        for size in SIZES:
+        for size in (0.3, 0.5, 1.0):
             yield size * p.signs, f"mountains and valleys at {size} rad"
-    for k in range(max(1, min(MOST_DRAWN, 3_000 // max(p.creases, 1)))):
+    # one of the largest sheets
+    for k in range(max(1, min(30, 3_000 // max(p.creases, 1)))):
         size = DRAWN[k % len(DRAWN)]
         yield rng.uniform(-size, size, p.creases), f"a random start, number {k + 1}"

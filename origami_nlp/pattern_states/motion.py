@@ -40,6 +40,7 @@ from origami_nlp.pattern_problem import (
     measured_cell,
     order_layers,
 )
+from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
 from origami_nlp.pattern_states.mobility import Mobility, analyze_mobility
 
@@ -47,10 +48,6 @@ MOST_TRACED = 480
 """Creases of a sheet whose motion is traced."""
 AHEAD = 0.3
 """A flat-folded state this near is where a walk was going that stopped before it [rad]."""
-BISECTED = 45
-"""Halvings of a step on which facets begin to cross."""
-PRINTED = 9
-"""States of a motion in its table."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +123,7 @@ class Motion(Report, Viewable):
         if self.fold_angles.shape != states or self.energy.shape != self.arc.shape:
             raise OptionError(
                 f"motion: fold_angles {self.fold_angles.shape}, arc {self.arc.shape} and energy {self.energy.shape} "
-                f"must be of as many states, of {self.pattern.creases} fold angles each"
+                f"must be of as many states, of {states[1]} fold angles each"
             )
 
     @cached_property
@@ -141,9 +138,8 @@ class Motion(Report, Viewable):
     def view_content(self) -> Content:
         """Return the motion as plain data, see `view`."""
         poser, phi = Poser(self.pattern), self.fold_angles
-        end = Keyframe(
-            f"end: {self.end}", poser.folded(phi[-1], self.energy[-1]), poser.view(phi[-1])
-        )
+        last = poser.folded(phi[-1], self.energy[-1]), poser.view(phi[-1])
+        end = Keyframe(f"end: {self.end}", *last)
         label = "along the motion [rad]"
         track = poser.track("folding motion", phi, self.energy, parameter=self.arc, label=label)
         name, pieces = self.pattern.name or "pattern", tuple(self.report_sections())
@@ -171,7 +167,7 @@ class Motion(Report, Viewable):
 
     def report_sections(self) -> Iterator[Section]:
         """Return where it ends over a table of some of its states, and what it leaves open."""
-        shown = self.rows(PRINTED)
+        shown = self.rows(9)
         yield record_table(shown, self.verdict)
         if self.lattices:
             numbers = [row.state for row in shown]
@@ -262,25 +258,20 @@ def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
     """Return whether the layers of a state that is folded flat can be ordered; empty where it is not."""
     if (np.minimum(np.abs(phi), math.pi - np.abs(phi)) > NEAR_SINGULAR_TOL).any():
         return ""
-    flat, residual = problem.project(
-        np.where(np.abs(phi) < NEAR_SINGULAR_TOL, 0.0, np.copysign(math.pi, phi))
-    )
+    exact = np.where(np.abs(phi) < NEAR_SINGULAR_TOL, 0.0, np.copysign(math.pi, phi))
+    flat, residual = problem.project(exact)
     if residual > CLOSURE_TOL or np.abs(flat - phi).max() > 2 * NEAR_SINGULAR_TOL:
-        return (
-            "whether its layers can be ordered is not known: no flat-folded state was found near it"
-        )
+        return "not known to have an order of layers: no flat-folded state was found near it"
     found = order_layers(problem, flat)
     return "its layers can be ordered" if found.verdict == "ordered" else found.reason
 
 
 def _at_limit(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
     """Add the flat-folded state ahead, where many creases reach their fold limits at once and steps look alike."""
-    last = phi[-1]
-    limits = problem.fold_limits
+    last, limits = phi[-1], problem.fold_limits
     near = limits.room(last) < AHEAD
-    end, residual = problem.project(
-        np.where(near, limits.hold(last, limits.side(last)), last), near
-    )
+    held = np.where(near, limits.hold(last, limits.side(last)), last)
+    end, residual = problem.project(held, near)
     good = near.any() and residual <= CLOSURE_TOL and np.abs(end - last).max() < AHEAD
     return np.vstack([phi, end]) if good and limits.inside(end).all() else phi
 
@@ -289,23 +280,13 @@ def _until_touch(
     problem: PatternProblem, phi: np.ndarray
 ) -> tuple[np.ndarray, tuple[int, int] | None]:
     """Cut a path where facets begin to cross; the last state is the one at which they touch."""
-    for k, state in enumerate(phi):
-        pairs = problem.crossings.find(state)
-        if not pairs:
-            continue
-        if k == 0:
-            raise OptionError("facets cross from the start: there is no motion of paper to show")
-        a, b = phi[k - 1], state
-        # no facets cross at a, some do at b
-        for _ in range(BISECTED):
-            middle, residual = problem.project(0.5 * (a + b))
-            if residual > CLOSURE_TOL:
-                break
-            crossing = problem.crossings.find(middle)
-            a, b = (a, middle) if crossing else (middle, b)
-            pairs = crossing or pairs
-        return np.vstack([phi[:k], a]), pairs[0]
-    return phi, None
+    first = next((k for k, x in enumerate(phi) if problem.crossings.find(x)), None)
+    if first == 0:
+        raise OptionError("facets cross from the start: there is no motion of paper to show")
+    if first is None:
+        return phi, None
+    free, crossed = last_free(problem, phi[first - 1], phi[first], 45)
+    return np.vstack([phi[:first], free]), problem.crossings.find(crossed)[0]
 
 
 def _end(

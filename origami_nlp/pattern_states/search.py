@@ -323,7 +323,7 @@ class Search(Parts):
         if (seen := traced.stretches) is not None:
             for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
                 free, crossed = (i + 1, i) if seen.crosses[i] else (i, i + 1)
-                start = last_free(self.problem, seen.states[free], seen.states[crossed])
+                start, _ = last_free(self.problem, seen.states[free], seen.states[crossed])
                 self.explore(start, CURVES)
 
     def _settle_well(self, well: np.ndarray) -> None:

@@ -19,6 +19,7 @@ from tests.independent.admissible import admissible
 
 
 def quadrilateral(**more):
+    """A vertex of degree 4 without symmetry, with several minima on its two curves."""
     vertex = Vertex.from_degrees([70, 110, 80, 100])
     return Scene(vertex, (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6), symmetry="none", **more)
 

@@ -6,13 +6,8 @@ from scipy.optimize import brentq
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
+from tests.barriers.test_hinges import quadrilateral
 from tests.patterns import scene_pattern
-
-
-def quadrilateral():
-    """A vertex of degree 4 without symmetry, with several minima on its two curves."""
-    vertex = o.Vertex.from_degrees([70, 110, 80, 100])
-    return o.Scene(vertex, (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6), symmetry="none")
 
 
 def test_passes_of_a_vertex_are_those_of_its_pattern_and_of_its_escapes():

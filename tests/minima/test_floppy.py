@@ -15,7 +15,6 @@ from origami_nlp.pattern_states import find_states
 pytest.importorskip("fcl", reason="python-fcl, of the extra test")
 from tests.independent.rigid import Rigid
 
-CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
 PROBES = 200
 """Closed states beside each state."""
 
@@ -76,11 +75,3 @@ def check_admissible(name, seed, contact, most=PROBES):
 def test_no_minimum_of_a_floppy_sheet_is_refuted():
     many, looked = check_admissible("yoshimura:3x3", 0, False, 20)
     assert many and looked > 10 * many
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
-@pytest.mark.parametrize("contact", [False, True], ids=["limits", "contact"])
-@pytest.mark.parametrize("name", CASES)
-def test_no_minimum_of_floppy_sheets_is_refuted(name, contact, seed):
-    check_admissible(name, seed, contact)

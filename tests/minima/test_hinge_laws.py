@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Scene, State, Vertex
+from origami_nlp import Scene, Vertex
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.inverse_design import Target, Targets
 from origami_nlp.pattern import (
@@ -134,26 +134,6 @@ def test_casadi_has_the_same_pieces():
         assert model.energy(x) == pytest.approx(model.pattern.energy(x), rel=1e-13)
 
 
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_a_linear_law_is_a_linear_spring():
-    for name, dof in (
-        (Vertex.from_degrees((70, 80, 120, 90)), 4),
-        (Vertex.from_degrees((60, 75, 85, 70, 70)), 5),
-    ):
-        rng = np.random.default_rng(dof)
-        k, rest = np.exp(rng.normal(size=dof)), rng.uniform(-2, 2, dof)
-        plain = Scene(name, tuple(k), tuple(rest), "none")
-        laws = replace(plain, laws=tuple(map(linear, k, rest)))
-        assert laws.stiffness == pytest.approx(plain.stiffness)
-        one, two = (o.find_minima(s, prove=False, escape=False) for s in (plain, laws))
-        assert [m.energy for m in two.minima] == pytest.approx(
-            [m.energy for m in one.minima], rel=1e-9
-        )
-        assert np.allclose(
-            [m.fold_angles for m in two.minima], [m.fold_angles for m in one.minima], atol=1e-7
-        )
-
-
 def strip(creases):
     """Facets in a row: every crease folds by itself."""
     row = creases + 2
@@ -194,21 +174,6 @@ def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, 
     all_ = set(itertools.product((-0.7, 0.7), repeat=creases))
     crossing = {folds for folds in all_ if crosses(folds)}
     assert found == all_ - crossing and len(crossing) == rolled and len(result.minima) == len(found)
-
-
-def test_no_top_of_wells_is_a_minimum():
-    """Balanced at the flat state by the top of a well: 60 random laws, vertices and strips."""
-    rng = np.random.default_rng(9)
-    four, two = Vertex.from_degrees((70, 80, 120, 90)), strip(2)
-    for _ in range(30):
-        law = double_well(rng.uniform(0.1, 5), rng.uniform(0.3, 2.5))
-        scene = Scene(four, (1,) * 4, (0,) * 4, "none", laws=(law,) * 4)
-        at_flat = o.classify(State(pose(scene), np.zeros(4)))
-        assert at_flat.verdict != "minimum"
-        sheet = two.with_laws([law, linear(1.0)])
-        assert o.classify(sheet, [0.0, 0.0]).verdict != "minimum"
-        inside = sheet.with_laws([law, linear(1.0, 0.4)])
-        assert o.classify(inside, [0.0, 0.4]).verdict != "minimum"
 
 
 def test_one_sided_springs_become_stops():
@@ -345,22 +310,6 @@ def test_what_does_not_know_laws_says_so():
     x = np.linspace(-0.5, 0.6, 6)
     assert loaded.energy(x) == pytest.approx(scene.energy(x) - 0.1 * x.sum())
     assert pose(loaded).energy(x) == pytest.approx(loaded.energy(x))
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_symmetric_minima_with_laws():
-    """Each crease has the law of its images; what stays a minimum without the symmetry is one there."""
-    law = double_well(0.2, 0.8)
-    scene = replace(
-        o.examples.degree6("pi/3"), contact="fold-limits", laws=(law, *(linear(1.0, 0.3),) * 2) * 2
-    )
-    assert scene.group.name != "none"
-    kept = o.find_minima(scene, escape=False)
-    whole = pose(replace(scene, symmetry="none"))
-    again = [o.classify(State(whole, np.array(m.fold_angles))).verdict for m in kept.minima]
-    assert "minimum" in again and "undecided" not in again
-    with pytest.raises(o.OrigamiError):
-        replace(scene, symmetry=scene.group.name, laws=(None, law, *(None,) * 4))
 
 
 def test_a_law_is_refused_that_is_none():

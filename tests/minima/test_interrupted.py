@@ -35,18 +35,6 @@ def test_what_was_found_is_kept():
     assert {told(m) for m in result.minima} <= whole
 
 
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_one_that_is_interrupted_during_the_proof_keeps_its_minima(monkeypatch):
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("origami_nlp.pattern_states.question.prove_list", stop)
-    with pytest.raises(Interrupted) as ended:
-        o.find_minima(SCENE)
-    monkeypatch.undo()
-    assert len(ended.value.result.minima) == len(o.find_minima(SCENE, prove=False).minima)
-
-
 def test_one_that_had_found_nothing_decides_nothing():
     found = o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none"), seconds=0)
     assert not found.minima

@@ -91,11 +91,3 @@ def agree(ours, theirs):
 def test_minima_are_those_of_a_scan(seed, contact):
     rng = np.random.default_rng(seed)
     assert all(agree(*compared(rng, contact)) for _ in range(1))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("contact", "count"), [("full", 100), ("fold-limits", 50)])
-def test_minima_of_many_are_those_of_scans(contact, count):
-    """Of every type, and of measured data."""
-    rng = np.random.default_rng(3)
-    assert sum(agree(*compared(rng, contact, kinds=7)) for _ in range(count)) == count

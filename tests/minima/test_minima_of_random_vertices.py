@@ -16,7 +16,7 @@ from tests.independent.admissible import admissible
 from tests.independent.neighbours import Problem, look_around
 from tests.independent.pockets import look_along_contacts
 from tests.independent.rotations import fold, project, spin_sign
-from tests.independent.scenes import SHAPES, build, degree, rational
+from tests.independent.scenes import SHAPES, build, degree
 
 RIGID = [("D", 1, 2, (False, False)), ("D", 2, 1, (False, False)), ("D", 3, 1, (False, False))]
 """As many equations as fold angles: only the flat state."""
@@ -76,15 +76,3 @@ def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
         closed = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
         closed[closed] = admissible(p.sectors, x[closed][:, p.orbit])
         assert (np.abs(x[closed]) <= 1e-4).all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1000, 1200))
-def test_every_minimum_of_two_hundred_random_vertices_is_one(seed):
-    assert check(random_scene(seed), 1500, 1000)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
-def test_every_minimum_of_a_rational_vertex_is_one(seed):
-    assert check(rational(np.random.default_rng(seed)), 600, 300)

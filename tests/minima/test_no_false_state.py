@@ -5,21 +5,19 @@ nearly singular scenes, of other people's files, and of scenes on which false st
 """
 
 import math
-from functools import lru_cache
 
 import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.pattern import fold_vertices, read_fold, scene_at
+from origami_nlp.pattern import read_fold, scene_at
 from tests.computed_once import panel_result, thinned
-from tests.fold_files import OTHERS, others
+from tests.fold_files import others
 from tests.independent.closing import EXTENDED, PI, close
 from tests.independent.exact_states import base
 from tests.independent.nearly_singular import KINDS, nearly_singular
-from tests.independent.relations import exact_sectors
 from tests.independent.sheet import PatternProblem, product_of_folds
-from tests.independent.stands import CLOSURE_TOL, RADII, judge
+from tests.independent.stands import CLOSURE_TOL, judge
 
 pytestmark = pytest.mark.skipif(not EXTENDED, reason="no extended precision on this machine")
 
@@ -99,18 +97,6 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
     assert refuted >= 6
 
 
-def test_the_judge_refutes_a_saddle_and_the_flat_state():
-    h = pi / 2
-    # unequal springs that pull open a vertex of degree 4: the flat state is stationary on no sheet
-    claim = problem((h, h + 0.3, h, h - 0.3), (1, 1, 1, 1), (0.5, 0.5, -0.5, 0.5))
-    assert judge(claim, (0.0, 0.0, 0.0, 0.0), 400).false
-    # a book fold with springs at rest at +t and -t alike: flat is a saddle of it
-    claim = problem((h, h, h, h), (1, 1, 1, 1), (1.0, 0.0, 1.0, 0.0))
-    stand = judge(claim, (0.0, 0.0, 0.0, 0.0), 400)
-    assert stand.false and stand.reach > 0.9 and abs(stand.drop - 1.0) < 1e-6
-    assert not judge(claim, (1.0, 0.0, 1.0, 0.0), 400).false
-
-
 MIURA = math.radians(66.37062226934322)
 
 
@@ -134,29 +120,6 @@ def test_the_judge_refutes_a_state_that_closes_only_nearly():
     claim = problem((h + d, h - d, h + d, h - d), (1,) * 4, (-1.0, -0.7, 1.9, -2.5))
     stand = judge(claim, (-0.71, -pi, 0.71, -pi), 400)
     assert stand.closure < 1e-11 and stand.false
-
-
-def test_the_judge_refutes_states_that_are_not_admissible():
-    h = pi / 2
-    # a flat folding whose layers cross: rolled up to one side
-    stand = judge(problem((h, h, h, h), (1,) * 4, (1.0,) * 4), (pi, pi, pi, pi), 100)
-    assert stand.closure < 1e-15 and stand.false and not stand.allowed
-    # beyond the fold limit
-    stand = judge(problem((h, h, h, h), (1,) * 4, (1.0,) * 4), (3.3, 0, 3.3, 0), 100)
-    assert stand.false and not stand.allowed
-
-
-def test_exact_sectors_keep_what_is_not_a_relation():
-    d = 1e-12
-    sectors = np.array((pi / 2 + d, pi / 2 - d, pi / 2 + d, pi / 2 - d))
-    moved = [abs(float(a - float(b))) for a, b in zip(exact_sectors(sectors), sectors, strict=True)]
-    assert max(moved) < 1e-15
-    exact = exact_sectors(sectors)
-    assert exact[0] == exact[2] and abs(float(exact[0] - exact[1]) - 2 * d) < 1e-15
-    generic = np.array((1.0, 1.2, 1.4, 2 * pi - 3.6))
-    assert (
-        max(abs(float(a) - b) for a, b in zip(exact_sectors(generic), generic, strict=True)) < 1e-15
-    )
 
 
 # ---------------------------------------------------------------- false states once seen
@@ -222,55 +185,7 @@ def test_every_minimum_of_a_nearly_singular_scene_stands(seed):
     assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(200))
-def test_every_minimum_of_two_hundred_nearly_singular_scenes_stands(seed):
-    assert check_nearly_singular(seed, (0, 1, 2))
-
-
-def test_nearly_singular_scenes_are_what_they_say():
-    all_of_them = [nearly_singular(seed) for seed in range(200)]
-    assert {s.kind for s in all_of_them} == set(KINDS)
-    assert {len(s.sectors) for s in all_of_them} == {4, 5, 6, 7, 8}
-    assert 5 <= sum(s.d == 0 for s in all_of_them) <= 40
-    assert min(s.d for s in all_of_them if s.d) < 1e-11 and max(s.d for s in all_of_them) > 1e-3
-    for s in all_of_them:
-        assert abs(math.fsum(s.sectors) - 2 * pi) < 1e-13
-        gap = closest_relation(s.kind, np.array(s.sectors))
-        assert gap <= 2 * s.d + 1e-14
-    at_limit = [s for s in all_of_them if set(map(abs, s.rest_angles)) <= {pi, 0.0}]
-    assert 80 <= len(at_limit) <= 120
-
-
-def closest_relation(kind, a):
-    """How far the nearest relation of a kind is from exact."""
-    n = len(a)
-    around = np.concatenate([a, a])
-    runs = [around[i : i + m] for i in range(n) for m in range(1, n + 1)]
-    if kind == "collinear":
-        return min(abs(run.sum() - pi) for run in runs)
-    if kind == "coincident":
-        return min(abs(run[::2].sum() - run[1::2].sum()) for run in runs if len(run) % 2 == 0)
-    if kind == "equal":
-        return min(abs(a[i] - a[j]) for i in range(n) for j in range(i))
-    joined = n - n % 2
-    rolled = [np.roll(a, k) for k in range(n)]
-    return min(abs(r[:joined:2].sum() - pi) for r in rolled)
-
-
 # ---------------------------------------------------------------- files of others
-
-
-@lru_cache
-def places():
-    """(file, frame, vertex) of every interior vertex that can be analysed."""
-    return tuple(
-        (path.name, frame.number, v.number)
-        for path in sorted(OTHERS.glob("*.fold"))
-        for frame in read_fold(path)
-        for v in fold_vertices(frame)[0]
-        if not v.reason
-    )
 
 
 def scene_in(name, vertex, frame="first"):
@@ -293,27 +208,3 @@ SEEN_FALSE = [
 def test_vertices_of_files_where_false_states_were_seen(name, vertex):
     result = find_minima(scene_in(name, vertex), prove=False, escape=False)
     assert result.minima and not failures(result, 600)
-
-
-def test_no_vertex_of_the_files_is_left_out():
-    reasons = [
-        v.reason for path in others() for frame in read_fold(path) for v in fold_vertices(frame)[0]
-    ]
-    assert len(places()) == sum(not r for r in reasons) >= 30
-    assert len({name for name, _, _ in places()}) == len(others())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("place", places() or [None], ids=str)
-def test_every_minimum_of_every_vertex_of_the_files_stands(place):
-    others()
-    name, frame, vertex = place
-    scene = scene_in(name, vertex, frame)
-    seen = {}
-    for seed in range(3):
-        result = find_minima(scene, seed=seed, prove=False, escape=False)
-        assert not failures(result, COUNT, seen), f"seed {seed}"
-
-
-def test_radii_are_those_that_are_stated():
-    assert RADII == (1e-6, 1e-4, 1e-2)

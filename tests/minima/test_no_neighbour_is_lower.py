@@ -13,7 +13,6 @@ from origami_nlp import examples
 from tests.computed_once import panel_result, thinned
 from tests.independent.admissible import admissible
 from tests.independent.neighbours import RADII, Problem, draw, look_around, strata
-from tests.independent.pockets import look_along_contacts
 
 PANELS = examples.panels()
 SOME = thinned(PANELS[4:] + PANELS[:4], 9)
@@ -57,18 +56,6 @@ def test_no_neighbour_of_a_stable_state_is_lower(scene):
     check_full(panel_result(scene, full=True), NORMAL)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_ten_thousand_symmetric_neighbours(scene):
-    check_symmetric(panel_result(scene, full=True), SLOW)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_twenty_thousand_neighbours_of_stable_states(scene):
-    check_full(panel_result(scene, full=True), SLOW_FULL)
-
-
 @pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_the_same_look_refutes_unstable_and_moved_states(scene):
     """The look can fail: it finds lower neighbours of unstable states and of moved minima."""
@@ -84,19 +71,6 @@ def test_the_same_look_refutes_unstable_and_moved_states(scene):
         moved = moved[admissible(p.sectors, moved[:, p.orbit], p.contact)]
         if m.local_dimension:
             assert len(look_around(p, moved[0], NORMAL, rng, radii=RADII[4:]).lower)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", thinned(PANELS, 6), ids=lambda s: s.name)
-def test_no_neighbour_that_keeps_facets_touching_is_lower(scene):
-    rng = np.random.default_rng(15)
-    for m in panel_result(scene, full=True).minima:
-        phi = np.array(m.fold_angles)
-        spaces = [Problem.of(scene)]
-        if m.full_space.verdict == "stable":
-            spaces.append(full_problem(scene))
-        for p in spaces if m.contacts else ():
-            assert not len(look_along_contacts(p, p.reduce(phi), 20, rng)[1])
 
 
 @pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)

@@ -52,16 +52,6 @@ def test_minima_are_those_of_a_scan(seed, contact, flat):
         assert np.allclose(ours, theirs, atol=1e-2, rtol=2e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("contact", ["full", "fold-limits"])
-@pytest.mark.parametrize("flat", [True, False])
-def test_minima_of_many_are_those_of_scans(contact, flat):
-    rng = np.random.default_rng(5)
-    for _ in range(25):
-        ours, theirs = compared(drawn(rng, contact, flat))
-        assert np.allclose(ours, theirs, atol=1e-2, rtol=2e-3)
-
-
 def test_stops_belong_to_the_symmetry():
     scene = o.examples.degree6("pi/3", ratio=0.3)
     same = replace(scene, limits=(-1.2, 1.2))

@@ -87,10 +87,3 @@ def wrongly_called_minima(rng, where, count):
 def test_no_top_of_a_well_is_called_a_minimum(where):
     wrong, minima = wrongly_called_minima(np.random.default_rng(1), where, 6)
     assert not wrong and minima < 6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("where", ["flat", "inside", "flat-folded"])
-def test_no_top_of_many_wells_is_called_a_minimum(where):
-    wrong, minima = wrongly_called_minima(np.random.default_rng(2), where, 170)
-    assert not wrong and 10 < minima < 160

@@ -145,17 +145,6 @@ def test_minima_of_vertices_that_are_not_flat(n, share):
     assert check(scene, 100, 60)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
-def test_minima_of_many_vertices_that_are_not_flat(seed):
-    rng = np.random.default_rng([7, seed])
-    n = int(rng.integers(4, 8))
-    k, rest = 10.0 ** rng.uniform(-0.5, 0.5, n), rng.uniform(-3, 3, n)
-    sectors = not_flat(rng, n, rng.uniform(-0.2, 0.2))
-    scene = Scene(Vertex(tuple(sectors), flat=False), k, rest, "none", "full")
-    check(scene, 600, 300)
-
-
 @pytest.mark.parametrize(("order", "name"), [(3, "D3"), (2, "D2"), (1, "D1")])
 @pytest.mark.parametrize("share", thinned([-0.2, 0.2], 2))
 def test_symmetric_states_of_vertices_that_are_not_flat(order, name, share):

@@ -1,7 +1,6 @@
 """Symmetric states wind once or several times round their axis: lists against searches that share no wedge."""
 
 import math
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -153,41 +152,6 @@ def test_symmetric_lists_hold_what_descents_on_the_whole_vertex_find(number):
     assert not len(missing), np.degrees(missing)
 
 
-@pytest.mark.slow
-def test_200_symmetric_scenes_against_searches_without_the_wedge():
-    """All groups C1 to C8 and D1 to D8, all contacts: nothing is missing where "proved" is printed."""
-    reported, false = study(range(200))
-    print(reported)
-    assert not false
-    assert reported["proved"] >= 35 and reported["found"] >= 400
-
-
-def study(numbers, say=lambda line: None):
-    """Count what independent searches found and lists lack; return also the proved lists that lack a minimum."""
-    reported, false = Counter(), []
-    for number in numbers:
-        d, scene = drawn(number)
-        result = find_minima(scene, escape=False)
-        missing, found = lacks(d, scene, result, 100, without=True)
-        known = result.completeness
-        status = known.status if known else result.search.stopped_by
-        reported.update({"scenes": 1, status: 1, "found": found, "listed": len(result.minima)})
-        reported.update(
-            {f"{status}: scenes that lack one": bool(len(missing)), "missing": len(missing)}
-        )
-        several = sum(m.winding > 1 for m in result.minima)
-        reported.update({"wind several times": several})
-        if status == "proved" and len(missing):
-            false.append((number, np.degrees(missing)))
-        lost = [
-            np.round(np.degrees(x[np.unique(d.orbit, return_index=True)[1]]), 3) for x in missing
-        ]
-        say(
-            f"{number} {d.group} N={len(d.orbit)} {scene.contact} {status} {found} {len(missing)} {lost}"
-        )
-    return reported, false
-
-
 def test_the_star_is_listed_first():
     result = find_minima(STAR, prove=False, escape=False)
     lowest = result.minima[0]
@@ -195,10 +159,3 @@ def test_the_star_is_listed_first():
     assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
     assert lowest.energy < 1e-12 and lowest.winding == 3
     assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
-
-
-@pytest.mark.slow  # the whole vertex of degree 8
-def test_the_star_stands_without_its_symmetry_as_well():
-    lowest = find_minima(STAR, prove=False, escape=False).minima[0]
-    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)
-    assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9

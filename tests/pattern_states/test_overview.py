@@ -10,7 +10,7 @@ import origami_nlp as o
 from origami_nlp.errors import Interrupted
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, Poses, angle_sums
-from origami_nlp.pattern_states import find_states, list_branches, search
+from origami_nlp.pattern_states import find_states, search
 from tests.command_line import run
 from tests.fold_files import others
 
@@ -121,17 +121,6 @@ def test_counts_ranks_and_dof(name):
         assert data["redundant"] == (rows - 2) * (columns - 2)
 
 
-@pytest.mark.parametrize("size", [(2, 3), (8, 8), (16, 16), (32, 32), (5, 31)])
-def test_miura_follows_its_law(size):
-    """tan(h/2) = cos gamma tan(z/2) between straight rows h and zigzags z, at every vertex of the sheet."""
-    p = o.examples.pattern("miura", *size)
-    straight = np.abs(p.directions[:, 1]) < 1e-9
-    for z in (0.3, 1.2, 2.9):
-        h = 2 * math.atan(math.cos(math.pi / 3) * math.tan(z / 2))
-        phi = p.signs * np.where(straight, h, z)
-        assert PatternProblem(p).residual(phi) < 1e-14
-
-
 def test_a_hole_takes_dof_that_open_vertices_alone_would_leave():
     p = o.examples.pattern("miura", 5, 5)
     middle = [k for k in range(25) if k // 5 in (2, 3) and k % 5 in (1, 2)]
@@ -200,29 +189,6 @@ def test_a_tower_between_plates_has_no_dof():
     assert seen.flags.rigid
     tube = o.analyze_mobility(kresling(plates=False))
     assert tube.dof == hinge_dof(tube.pattern, tube.pattern.reference) == 6
-
-
-def test_concentric_squares_fold_along_a_diagonal_only():
-    """Enumerated: of all branch directions of the flat state two are left, each a straight line through the middle."""
-    rings = 3
-    corners = np.array([(0.0, 0.0)] + [
-        (r * x, r * y) for r in range(1, rings + 1) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    ])  # fmt: skip
-    polygons = [(0, 1 + k, 1 + (k + 1) % 4) for k in range(4)]
-    for r in range(1, rings):
-        for k in range(4):
-            a, b = 4 * r - 3 + k, 4 * r - 3 + (k + 1) % 4
-            polygons.append((a, a + 4, b + 4, b))
-    pattern = make_pattern(corners, polygons)
-    ways = list_branches(PatternProblem(pattern))
-    assert not ways.families and len(ways.lines) == 2
-    slant = pattern.directions[:, 0] * pattern.directions[:, 1]
-    for line, sign in zip(
-        sorted(ways.lines, key=lambda d: np.abs(d[slant > 0.1]).max()), (-1, 1), strict=True
-    ):
-        folded = np.abs(line) > 1e-9 * np.abs(line).max()
-        assert (folded == (sign * slant > 0.1)).all()
-        assert PatternProblem(pattern).residual(np.where(folded, 1.0, 0.0)) < 1e-14
 
 
 def test_the_command_writes_its_keys(tmp_path):
