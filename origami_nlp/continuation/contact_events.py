@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.events import LocatedEvent, CurveStep, found_at, pole
+from origami_nlp.continuation.events import CurveStep, LocatedEvent, found_at, pole
 from origami_nlp.continuation.one_sided_branches import (
     PULLS,
     is_equilibrium,

@@ -28,8 +28,8 @@ from origami_nlp.continuation.branch_segments import (
 from origami_nlp.continuation.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
-    LocatedEvent,
     CurveStep,
+    LocatedEvent,
     change_of_verdict,
     flat_crossed,
     folds_and_branchings,
