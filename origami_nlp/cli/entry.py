@@ -19,15 +19,7 @@ from origami_nlp.cli.files import check, convert, example, hinge, inspect
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.paths import boundary, follow, load
-from origami_nlp.cli.states import (
-    barriers,
-    check_proof,
-    contacts,
-    design,
-    landscape,
-    minima,
-    sweep,
-)
+from origami_nlp.cli.states import barriers, check_proof, contacts, design, landscape, minima, sweep
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import printable
 from origami_nlp.version import __version__

@@ -8,14 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import (
-    Content,
-    FoldedBody,
-    Keyframe,
-    Poser,
-    Trajectory,
-    join_states,
-)
+from origami_nlp.display import Content, FoldedBody, Keyframe, Poser, Trajectory, join_states
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.records import PathPoint
 from origami_nlp.paths.result import Path, Track, degrees_listed

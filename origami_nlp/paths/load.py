@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from origami_nlp.arguments import (
-    check_flag,
-    check_number,
-    check_type,
-    check_until,
-    shown,
-)
+from origami_nlp.arguments import check_flag, check_number, check_type, check_until, shown
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState

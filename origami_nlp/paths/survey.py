@@ -10,13 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import (
-    check_callback,
-    check_flag,
-    check_type,
-    check_until,
-    check_whole,
-)
+from origami_nlp.arguments import check_callback, check_flag, check_type, check_until, check_whole
 from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, Line
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped

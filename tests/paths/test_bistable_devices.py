@@ -90,10 +90,7 @@ def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there
 @pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("name", "creases", "to", "type_"),
-    [
-        ("waterbomb", (1, 4), 0.09, "fold"),
-        ("waterbomb_base", (1, 3, 5, 7), 0.08, "branching"),
-    ],
+    [("waterbomb", (1, 4), 0.09, "fold"), ("waterbomb_base", (1, 3, 5, 7), 0.08, "branching")],
 )
 def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, type_):
     scene, found = getattr(examples, name)(), path(name, 1, to)

@@ -9,11 +9,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.paths import (
-    Plane,
-    find_bifurcation_set,
-    follow_family,
-)
+from origami_nlp.paths import Plane, find_bifurcation_set, follow_family
 from tests.paths.regions import find_regions
 
 
