@@ -90,6 +90,11 @@ class Equilibrium:
         """Number of directions in which the energy falls."""
         return int((self.eigenvalues < 0).sum())
 
+    @property
+    def fold_angles(self) -> tuple[float, ...]:
+        """All N [rad]."""
+        return tuple((self.problem.expand(self.state) + 0.0).tolist())
+
     def opening(self, contact: Contact) -> float:
         """Return the opening of a contact, held or not."""
         return float(self.problem.local(self.state).openings((contact,))[0][0])

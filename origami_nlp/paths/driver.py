@@ -52,10 +52,10 @@ class OwnForces:
     creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
-        none = "has no [[loads]] with forces to be multiplied"
         if not self.scene.loads or not self.arm:
-            why = "has forces that are all zero" if self.scene.loads else none
-            raise OptionError(f"crease = None: the scene {why}")
+            raise OptionError(
+                "crease = None: the scene has no [[loads]] with forces other than zero"
+            )
 
     @property
     def arm(self) -> float:
@@ -178,7 +178,7 @@ class Driver:
         return replace(rms, first=size * rms.first, longest=size * rms.longest, until=until)
 
     def begin(
-        self, state: Any, until: float, asked: dict[str, Any], full: bool
+        self, state: Any, until: float, asked: Any, full: bool
     ) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
@@ -201,13 +201,12 @@ class Driver:
         if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
             raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
         if self.scene is None and not phi.any():
-            why = "is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
+            why = "is the flat state, from which many branches go on: load a folded one"
             raise OptionError(f"{which} {why}")
         if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
             a, b = self.work.corners
             raise OptionError(
-                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
-                "one to the other"
+                f"pull = {a}, {b}: these vertices lie on each other in the loaded state"
             )
         free = self.free
         there = State(free.problem, free.problem.reduce(phi))
@@ -230,8 +229,7 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
         origami.check_alone("a load")
         if isinstance(load, Work):
             if load.pattern is not origami:
-                why = "is one of another pattern: make it of the one that is loaded"
-                raise OptionError(f"load {why}")
+                raise OptionError("load is one of another pattern: make it of the loaded one")
             return Driver(load)
         several = isinstance(load, Sequence) and not isinstance(load, str)
         return Driver(Torque(origami, tuple(load) if several else (load,)))

@@ -94,10 +94,8 @@ class Family:
         if apart.max() > RESOLVED:
             cuts = np.linspace(low, high, self.samples)[int(apart.argmax()) :][:2]
             a, b = (self.parameter.t_of(float(s)) for s in cuts)
-            raise OptionError(
-                f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
-                "these are two families, follow each alone"
-            )
+            where = f"the scenes over {self.parameter.name} jump between {a:.6g} and {b:.6g}"
+            raise OptionError(f"{where}: these are two families, follow each alone")
         first = whole.parameters
         direction = change_of(first, posed[-1].parameters, length)
         start = ParameterLine(whole, first, direction).at(-low).parameters
@@ -198,10 +196,8 @@ def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[Patt
     for _, problem in made:
         one, other = _structure(whole), _structure(problem)
         if one[:-1] != other[:-1]:
-            raise OptionError(
-                f"over {name} facets, creases, symmetry or contact do not stay: state the symmetry, or follow a "
-                "shorter range"
-            )
+            why = "do not stay: state the symmetry, or follow a shorter range"
+            raise OptionError(f"over {name} facets, creases, symmetry or contact {why}")
         if one[-1] != other[-1]:
             raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
     return [_posed_as(whole, stated, problem) for stated, problem in made]

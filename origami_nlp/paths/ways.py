@@ -67,10 +67,8 @@ class Ways(FollowedDiagram):
     def given(self, x: np.ndarray, s: float) -> int | None:
         """Return the node at which the state x was given at s; None where it was not."""
         point = np.append(x, s)
-        begun = (k for k, node in enumerate(self.nodes) if node.halves)
-        return next(
-            (k for k in begun if np.abs(self.nodes[k].point - point).max() <= SETTLED), None
-        )
+        begun = ((k, node.point) for k, node in enumerate(self.nodes) if node.halves)
+        return next((k for k, at in begun if np.abs(at - point).max() <= SETTLED), None)
 
     def walk(
         self, x: np.ndarray, s: float, toward: float, end: float, last: int = -1
@@ -146,10 +144,8 @@ class Ways(FollowedDiagram):
             return f"stopped: {found.why or 'closure or contacts lose rank'}"
         return "snap"
 
-    def release(
-        self, node: SpecialPoint, toward: float
-    ) -> tuple[np.ndarray, float, Classification] | str:
-        """Descend from the end of a way, a little beyond its load: the minimum, its load, certificate; or why none."""
+    def release(self, node: SpecialPoint, toward: float) -> Fall | str:
+        """Descend from the end of a way, a little beyond its load: where to, or why to no minimum."""
         phi, why = node.point[:-1], ""
         posed: Any = self.line.problem
         span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
@@ -176,7 +172,7 @@ class Ways(FollowedDiagram):
                     what = classified(problem, end)
                     minimum = not lost and what.verdict == "minimum"
                     if minimum and singular_beside(problem, end) is None:
-                        return end, s, what
+                        return Fall(end, s, what)
                     why = lost or what.reason
         finally:
             posed.until = math.inf
