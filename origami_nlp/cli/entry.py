@@ -104,9 +104,7 @@ def _end(error: Any) -> NoReturn:
         said = "".join(traceback.format_exception(error))
         print(printable(said, lines=True), file=sys.stderr)
         where = f"origami-nlp {__version__}, Python {platform.python_version()}"
-        _stop(
-            f"internal error, please report what stands above, with the file; {where}", Ended.FAULT
-        )
+        _stop(f"internal error, please report all of this, with the file; {where}", Ended.FAULT)
     if "Help" in type(error).__name__:  # a group that is called without a command
         print(error.format_message(), file=sys.stderr)
         sys.exit(Ended.WRONG)

@@ -83,9 +83,8 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     aside: Any = {"redirect_stdout": False, "redirect_stderr": False, "transient": True}
     with Progress(TimeElapsedColumn(), BarColumn(16), text, console=console, **aside) as bar:
         task = bar.add_task(printable(report.line), total=report.total)
-        report.listener = lambda r: bar.update(
-            task, completed=r.done, total=r.total, description=printable(r.line)
-        )
+        now: Any = lambda r: {"completed": r.done, "total": r.total}  # noqa: E731
+        report.listener = lambda r: bar.update(task, description=printable(r.line), **now(r))
         yield
 
 

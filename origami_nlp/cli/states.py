@@ -163,7 +163,6 @@ def landscape(
     from origami_nlp import paper
     from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
-    from origami_nlp.display import InteractivePage
 
     stated = origami.read()
     name = stated.label or origami.name
@@ -173,14 +172,10 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = (
-            coordinates(stated, 8).reason
-            or "it has one symmetric degree of freedom only; origami-nlp minima -o FILE.png draws its energy"
-        )
+        why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
     if stated.contact != "full":
-        why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"
-        out.refuse(why, "json")
+        out.refuse(f"the admissible space needs contact = 'full', not {stated.contact!r}", "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
     with progress(f"{name}: boundary, passes between minima"):
         exact = paper.find_landscape(result, size=size)
@@ -190,8 +185,7 @@ def landscape(
             more = paper.find_space(stated), paper.find_critical_points(stated), passes
             out.write("json", paper.landscape_to_dict, exact, *more)
     out.write("figure", paper.draw_landscape, exact)
-    out.save("html", lambda file: InteractivePage(exact.result.view_content()).save(file))
-    return None
+    out.page(exact.result)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)
@@ -244,8 +238,8 @@ def sweep(
     note_normalized(stated.normalized, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
-        options: dict[str, Any] = {"executor": executor, "workers": workers}
-        options["progress"] = lambda done, total, states: report(done, total, f"{states} states")
+        say = lambda done, total, states: report(done, total, f"{states} states")  # noqa: E731
+        options = {"executor": executor, "workers": workers, "progress": say}
         done = clock.within(run_sweep, stated, folder, **options)
         clock.found = None  # its words follow
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
@@ -255,8 +249,7 @@ def sweep(
         by = " by the time limit" if clock.over else ""
         out.say(f"interrupted{by}: the same command goes on from here")
         return Ended.OUT_OF_TIME if clock.over else Ended.INTERRUPTED
-    failed = done.counts.get("failed")
-    if failed:
+    if failed := done.counts.get("failed"):
         out.say("failed scenes are tried again by the same command; reasons are in the store")
     out.written(folder)
     out.write("csv", lambda: load_states(folder).to_csv(index=False))
@@ -274,8 +267,7 @@ def _executor(address: str | None) -> Iterator[Any]:
         distributed.comm.get_address_host_port(address)  # a client without an address raises again
         client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        why = str(error).splitlines()[0]
-        raise SweepError(f"--dask {address!r} cannot be reached: {why}") from None
+        raise SweepError(f"--dask {address!r} cannot be reached: {error}") from None
     try:
         pool = client.get_executor()
         pool.num_workers = sum(client.nthreads().values())

@@ -344,9 +344,7 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where} needs values, or from, to and count")
     if spaced:
         if missing := {"from", "to", "count"} - {*spaced}:
-            raise SweepError(
-                f"{where}.{min(missing)} is missing: give values, or from, to and count"
-            )
+            raise SweepError(f"{where}.{min(missing)} is missing: give from, to and count")
         low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
         count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
         if scale == "log" and min(low, high) <= 0:

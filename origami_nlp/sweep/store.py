@@ -58,10 +58,7 @@ class Store:
         except sqlite3.OperationalError as error:
             if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                 raise SweepError(f"{where} cannot be used: {error}") from None
-            why = (
-                "is in use: another process runs a sweep there; wait for its end, or choose another"
-            )
-            raise SweepError(f"{where} {why}") from None
+            raise SweepError(f"{where} is in use: another process runs a sweep there") from None
         except (OSError, sqlite3.Error) as error:
             raise SweepError(f"{where} cannot be used: {error}") from None
         self.status: dict[int, str] = {}
