@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.continuation.equilibrium import Equilibrium
 from origami_nlp.continuation.events import CurveStep, LocatedEvent, found_at, pole
 from origami_nlp.continuation.one_sided_branches import (
     PULLS,
@@ -146,7 +146,7 @@ def _closing(step: CurveStep) -> LocatedEvent:
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, LocatedEvent]] = []
-    for contact in _candidates(curve, good, bad, back):
+    for contact in _candidates(CurveStep(curve, good, bad), back):
         if _is_shut(a, contact):  # another gap of what is held
             continue
         frame = curve.where_closed(good, contact, a.tangent)
@@ -195,10 +195,9 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
     return LocatedEvent("refused", good, why=why)
 
 
-def _candidates(
-    curve: EquilibriumCurve, good: Equilibrium, bad: Equilibrium, back: Equilibrium
-) -> list[Contact]:
+def _candidates(step: CurveStep, back: Equilibrium) -> list[Contact]:
     """Return the contacts that may have closed: nearly closed before, seen from a little further back, or passed."""
+    curve, good, bad = step
     p = good.problem
     rows = list(p.about_to_close(good.state, NEARLY))
     near = State(p, good.state, NEAR_SINGULAR_TOL).contacts

@@ -14,9 +14,10 @@ set that leaves the state in its softest direction; y'' is normal to that set an
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -173,10 +174,9 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
     if z.shape[1] == 0:
         return None
     if along is None:
-        tangent = z[:, 0]
-        if z.shape[1] > 1:
-            # the softest direction of the set that keeps the contacts
-            tangent = z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
+        # the softest direction of the set that keeps the contacts
+        one = z.shape[1] == 1
+        tangent = z[:, 0] if one else z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
     else:
         tangent = z @ (z.T @ along)
         size = float(np.linalg.norm(tangent))
@@ -199,10 +199,7 @@ def _second(held: Stratum, i: int, along: np.ndarray) -> float:
 
 
 def trace_held(
-    held: Stratum,
-    steps: ContinuationOptions,
-    ends: Sequence[End[Point]] = (),
-    dimension: int | None = None,
+    held: Stratum, steps: ContinuationOptions, ends: Any = (), dimension: int | None = None
 ) -> Trace[Point] | None:
     """Trace the boundary through a state both ways; None where no motion keeps the contacts closed.
 
@@ -235,13 +232,9 @@ def follow_boundary(
     `longest` [rad].  None where no motion keeps the contacts closed.
     """
     problem = held.state.problem
-    ends = [
-        End[Point](lambda points: _run(not problem.refuses(p.x) for p in points), CLOSES_ANOTHER)
-    ]
+    ends = [_while(lambda p: not problem.refuses(p.x), CLOSES_ANOTHER)]
     if stop_at_release and (first := evaluate(held)) is not None and first.pressed:
-        ends.append(
-            End(lambda points: _run(p.pressed for p in points), "the contact stops pushing")
-        )
+        ends.append(_while(lambda p: p.pressed, "the contact stops pushing"))
     found = trace_held(held, replace(STEPS, far=longest), ends)
     if found is None:
         return None
@@ -254,9 +247,9 @@ def follow_boundary(
     return boundary_of(held.contacts, found.frames, found.s, found.signs, (why[0], why[1]))
 
 
-def _run(good: Iterable[bool]) -> int:
-    """How many are true from the first on."""
-    return sum(1 for _ in itertools.takewhile(bool, good))
+def _while(good: Callable[[Point], bool], why: str) -> End[Point]:
+    """Return the end of a curve after the last point that is good."""
+    return End(lambda points: sum(1 for _ in itertools.takewhile(good, points)), why)
 
 
 def boundary_of(

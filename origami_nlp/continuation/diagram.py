@@ -29,6 +29,7 @@ from origami_nlp.continuation.contact_events import first_contact_event, other_p
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
     CurveStep,
+    Functions,
     LocatedEvent,
     change_of_verdict,
     flat_crossed,
@@ -57,7 +58,6 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, RANK, ROUNDED, SETTLED
 STEPS = ContinuationOptions(first=1e-2, longest=0.15)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 
-Functions = Callable[[Equilibrium], float]
 Halves = list[tuple[int, int]]
 """Half-branches, as positions of node and half."""
 
@@ -103,7 +103,7 @@ class BifurcationDiagram:
         high: float,
         *,
         steps: ContinuationOptions = STEPS,
-        functions: Sequence[tuple[str, Functions]] = (),
+        functions: Functions = (),
         stops: Sequence[str] = (),
         lazy: bool = False,
         until: float = math.inf,
@@ -176,8 +176,8 @@ class BifurcationDiagram:
 
     def _follow_all(self, todo: Halves) -> None:
         """Follow half-branches, and all that comes of them."""
-        before = len(self.arcs)
-        while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
+        most = len(self.arcs) + self.steps.arcs
+        while todo and len(self.arcs) < most and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
                 self.nodes[number].used.append(k)
@@ -218,7 +218,8 @@ class BifurcationDiagram:
         todo: Halves = []
         for frame in frames:
             at_flat = frame is stop.frame and stop.why == AT_FLAT  # nothing is said of its index
-            for event in [] if at_flat else self._between(curve, begun[-1], frame, here):
+            step = CurveStep(curve, begun[-1], frame)
+            for event in [] if at_flat else self._between(step, here):
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
@@ -246,24 +247,24 @@ class BifurcationDiagram:
             return todo
         return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
 
-    def _between(
-        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
-    ) -> list[LocatedEvent]:
+    def _between(self, step: CurveStep, here: int) -> list[LocatedEvent]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
-        found, length = list[LocatedEvent](), curve.along(a, b.x)
+        curve, a, _ = step
+        found = list[LocatedEvent]()
         for node in self.nodes:
             h = curve.along(a, node.point)
             reach = 2 * h + SETTLED  # more than `beside` moves
-            if node.type == START and 0 < h < length and _near(self.root, node.point, a.x, reach):
+            inside = node.type == START and 0 < h < step.length
+            if inside and _near(self.root, node.point, a.x, reach):
                 frame = curve.beside(a, h)
                 if frame is not None and _near(self.root, frame.x, node.point):
                     found.append(LocatedEvent(START, replace(frame, x=node.point), located=True))
-        found += folds_and_branchings(CurveStep(curve, a, b), self.functions)
+        found += folds_and_branchings(step, self.functions)
         node = self.nodes[here]
         near = NEAR_SINGULAR_TOL if node.type == "branching" else SETTLED
         found = [e for e in found if not _near(self.root, e.frame.x, node.point, near)]
         # by the length along the tangent at a, the same for all of them
-        return sorted(found, key=lambda e: curve.along(a, e.frame.x))
+        return sorted(found, key=lambda e: step.to(e.frame))
 
     def _arrive(self, number: int, frame: Equilibrium) -> None:
         """Note that a node was reached: what leads back from there is known."""
@@ -373,17 +374,8 @@ class BifurcationDiagram:
             if _near(self.root, node.point, point, NEAR_SINGULAR_TOL if crude else SETTLED):
                 return k, True
         left = event.frame.system.residual if event.residual is None else event.residual
-        node = SpecialPoint(
-            event.type,
-            point,
-            event.contact,
-            event.value,
-            left,
-            event.located,
-            event.why,
-            event.between,
-        )
-        self.nodes.append(node)
+        how = left, event.located, event.why, event.between
+        self.nodes.append(SpecialPoint(event.type, point, event.contact, event.value, *how))
         return len(self.nodes) - 1, False
 
     def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:

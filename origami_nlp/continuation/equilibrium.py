@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.continuation.line import Line
+from origami_nlp.continuation.line import Line, Rates
 from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
@@ -213,10 +214,9 @@ class EquilibriumCurve:
 
     def frame_of(self, solved: Solved | None, along: np.ndarray) -> Equilibrium | None:
         """Return the frame of a point whose system is known."""
-        found = None if solved is None else solved[1].direction(along)
-        return (
-            None if solved is None or found is None else Equilibrium(solved[0], found[0], solved[1])
-        )
+        if solved is None or (found := solved[1].direction(along)) is None:
+            return None
+        return Equilibrium(solved[0], found[0], solved[1])
 
     def beside(
         self, a: Equilibrium, h: float, near: Equilibrium | None = None
@@ -258,23 +258,19 @@ class EquilibriumCurve:
             low, high = (middle, high) if (frame.s < s) == (a.s < s) else (low, middle)
         return replace(frame, x=np.append(frame.state, s))
 
-    def opening_rates(
-        self, p: Problem, point: np.ndarray, contacts: tuple[Contact, ...]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def opening_rates(self, p: Problem, point: np.ndarray, contacts: Any) -> Rates:
         """Return openings at (x, s), and how they change with the state, in the metric, and with w s: [r, n + 1]."""
         none, s = np.zeros(p.equation_count + len(contacts)), float(point[-1])
         values, slopes = p.local(point[:-1]).openings(contacts)
         moved = self.line.drift(p, s, point[:-1], none, contacts)[1][p.equation_count :]
         return values, np.column_stack([slopes / p.root, moved / self.line.weight])
 
-    def where_closed(
-        self, near: Equilibrium, contact: Contact, along: np.ndarray
-    ) -> Equilibrium | None:
+    def where_closed(self, near: Equilibrium, c: Contact, along: np.ndarray) -> Equilibrium | None:
         """Return the point near another where one more contact closes."""
 
         def at_limit(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
             # opening(x, s) + slope . dx + d(opening)/ds ds = 0, as the row that fixes the point on the curve
-            values, rows = self.opening_rates(system.problem, point, (contact,))
+            values, rows = self.opening_rates(system.problem, point, (c,))
             return rows[0], -float(values[0])
 
         return self.frame_of(self.solve(near.x, at_limit), along)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,8 @@ BISECTIONS = 24
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
+Functions = Sequence[tuple[str, Value]]
+"""By the type of event that a change of their sign is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +108,7 @@ class CurveStep(NamedTuple):
         return last
 
 
-def found_at(
-    type: str, frame: Equilibrium, value: float, contact: Contact | None = None
-) -> LocatedEvent:
+def found_at(type: str, frame: Equilibrium, value: float, contact: Any = None) -> LocatedEvent:
     """Return an event, located where its function and the KKT system vanish."""
     if type == "branching" and abs(value) > SETTLED:
         # a pole, no zero: beside a state where closure loses rank multipliers and curvatures grow without bound
@@ -141,9 +141,7 @@ def _towards(step: CurveStep, value: Value) -> Equilibrium | None:
     return best
 
 
-def folds_and_branchings(
-    step: CurveStep, others: Sequence[tuple[str, Value]]
-) -> list[LocatedEvent]:
+def folds_and_branchings(step: CurveStep, others: Functions) -> list[LocatedEvent]:
     """Return limit points and branch points inside a step, along which the active constraints stay the same, in order.
 
     others: further functions, by the type of event that a change of their sign is.
@@ -185,9 +183,7 @@ def pole(step: CurveStep, value: Value) -> LocatedEvent:
     back = _towards(other_way, lambda f: 1.0 / value(f)) or b
     between = min(frame.s, back.s), max(frame.s, back.s)
     least = frame.system.least
-    rank = (
-        f"closure and contacts lose rank (smallest singular value {least:.1e} at the nearest point)"
-    )
+    rank = f"closure and contacts lose rank (smallest singular value {least:.1e} near by)"
     why = f"{rank} and multipliers grow without bound: both sides are followed, each by itself"
     return LocatedEvent("singular", frame, None, least, False, why, b, between=between)
 
@@ -218,9 +214,10 @@ def multipliers_pass_infinity(step: CurveStep) -> LocatedEvent | None:
     return LocatedEvent("singular", last, why=why)
 
 
-def flat_crossed(
-    curve: EquilibriumCurve, root: FlatRoot, a: Equilibrium
-) -> tuple[list[Equilibrium], LocatedEvent]:
+Crossed = tuple[list[Equilibrium], LocatedEvent]
+
+
+def flat_crossed(curve: EquilibriumCurve, root: FlatRoot, a: Equilibrium) -> Crossed:
     """Return a point on the way from a to the flat state that the curve `passes` at a root, and this event.
 
     The point between shows what lies there: at the flat state itself the reduced Hessian says nothing.

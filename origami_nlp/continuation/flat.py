@@ -123,9 +123,10 @@ def passes(roots: Callable[[], list[FlatRoot]], a: Equilibrium, b: Equilibrium) 
     return min(out, key=lambda root: abs(root[0] - b.s), default=None)
 
 
-def beside_flat(
-    line: Line, s: float, direction: np.ndarray
-) -> tuple[Equilibrium | None, Equilibrium | None]:
+Sides = tuple[Equilibrium | None, Equilibrium | None]
+
+
+def beside_flat(line: Line, s: float, direction: np.ndarray) -> Sides:
     """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
 
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
@@ -149,9 +150,7 @@ def beside_flat(
     return out[0], out[1]
 
 
-def _forms(
-    system: BorderedSystem, first: list[np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _forms(system: BorderedSystem, first: list[np.ndarray]) -> tuple[np.ndarray, ...] | None:
     """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
     if min(system.jacobian.shape) > MOST_ROWS:
         return None

@@ -29,6 +29,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact
 
+Piece = tuple[Contact, ...]
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
 TRIALS = (1e-2, 1e-3, 1e-5)
@@ -56,9 +57,10 @@ class OneSidedBranch:
         return float(self.frame.tangent @ other.tangent) > ALIGNED
 
 
-def find_one_sided_branches(
-    line: Line, point: np.ndarray, verdict: str = ""
-) -> list[OneSidedBranch]:
+Branches = list[OneSidedBranch]
+
+
+def find_one_sided_branches(line: Line, point: np.ndarray, verdict: str = "") -> Branches:
     """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
 
     verdict: what states are that no multipliers judge; none of those are followed where it is "".
@@ -105,12 +107,9 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[tuple[Contact, 
     optional = [k for k in range(len(piece)) if k not in must]
     # no more contacts than degrees of freedom: more would depend on each other
     most = state.kernel.shape[1]
-    sets = (
-        (*must, *some)
-        for count in range(min(len(optional), most - len(must)), -1, -1)
-        for some in itertools.combinations(optional, count)
-    )
-    for chosen in itertools.islice(sets, MOST_SETS):
+    counts = range(min(len(optional), most - len(must)), -1, -1)
+    sets = (some for count in counts for some in itertools.combinations(optional, count))
+    for chosen in ((*must, *some) for some in itertools.islice(sets, MOST_SETS)):
         jacobian = np.vstack([state.jacobian, held.slopes[list(chosen)]])
         # rows of closure depend on each other: what counts is what they leave free
         rows = held.slopes[list(chosen)] @ state.kernel
@@ -122,9 +121,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[tuple[Contact, 
             yield tuple(piece[k] for k in chosen)
 
 
-def _along(
-    line: Line, point: np.ndarray, hold: tuple[Contact, ...], piece: tuple[Contact, ...]
-) -> Iterator[OneSidedBranch]:
+def _along(line: Line, point: np.ndarray, hold: Piece, piece: Piece) -> Iterator[OneSidedBranch]:
     """Yield the directions in which the states that hold these contacts are equilibria."""
     curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
@@ -132,8 +129,7 @@ def _along(
     if found is None:
         return
     others = tuple(c for c in piece if c not in hold)
-    state = system.seen
-    alike = state.choices.alike(hold)
+    alike = system.seen.choices.alike(hold)
     alike = tuple(c for c in alike if not c.is_limit and c not in hold)
     rates = curve.opening_rates(system.problem, point, others)[1]
     first = line.problem.equation_count
@@ -156,7 +152,7 @@ def _along(
             yield half
 
 
-def _frozen(line: Line, point: np.ndarray, hold: tuple[Contact, ...]) -> list[OneSidedBranch]:
+def _frozen(line: Line, point: np.ndarray, hold: tuple[Contact, ...]) -> Branches:
     """Return the directions in which a state that nothing moves keeps its verdict."""
     curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
@@ -166,22 +162,19 @@ def _frozen(line: Line, point: np.ndarray, hold: tuple[Contact, ...]) -> list[On
     return _both_ways(curve, Equilibrium(point, found[0], system), signed=False)
 
 
-def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[OneSidedBranch]:
+def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> Branches:
     """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
     across = frame.system.other_direction(frame.tangent)
     return _both_ways(curve, Equilibrium(frame.x, across, frame.system), signed=True)
 
 
-def _both_ways(curve: EquilibriumCurve, at: Equilibrium, signed: bool) -> list[OneSidedBranch]:
+def _both_ways(curve: EquilibriumCurve, at: Equilibrium, signed: bool) -> Branches:
     ways = (replace(at, tangent=sign * at.tangent) for sign in (1.0, -1.0))
     return [*filter(None, (goes_on(curve, OneSidedBranch(way, signed)) for way in ways))]
 
 
 def goes_on(
-    curve: EquilibriumCurve,
-    half: OneSidedBranch,
-    others: tuple[Contact, ...] = (),
-    alike: tuple[Contact, ...] = (),
+    curve: EquilibriumCurve, half: OneSidedBranch, others: Piece = (), alike: Piece = ()
 ) -> OneSidedBranch | None:
     """Return the half-branch if a short step in this direction ends at an equilibrium; None if not.
 
@@ -209,10 +202,7 @@ def goes_on(
 
 
 def _overlapping(
-    curve: EquilibriumCurve,
-    frame: Equilibrium,
-    others: tuple[Contact, ...],
-    alike: tuple[Contact, ...],
+    curve: EquilibriumCurve, frame: Equilibrium, others: Piece, alike: Piece
 ) -> Equilibrium | None:
     """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
 
