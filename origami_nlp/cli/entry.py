@@ -47,13 +47,11 @@ def _version(asked: bool) -> None:
         raise typer.Exit()
 
 
-_VERSION: Any = typer.Option(
-    False, "--version", callback=_version, is_eager=True, help="Show the version."
-)
+_SHOW: Any = {"callback": _version, "is_eager": True, "help": "Show the version."}
 
 
 @app.callback()
-def origami_nlp(version: bool = _VERSION) -> None:
+def origami_nlp(version: bool = typer.Option(False, "--version", **_SHOW)) -> None:
     """Take the options of the program itself."""
 
 

@@ -124,14 +124,13 @@ def check(
     for file in files:
         try:
             seen.append(check_file(file, frame=frame, tolerance=tolerance))
+            ends[seen[-1].verdict] += 1
+            out.say(seen[-1])
         except (FoldFileError, OptionError) as error:
             if one:
                 raise
             ends["not read"] += 1
             out.say(f"{file}: not read: {error}")
-        else:
-            ends[seen[-1].verdict] += 1
-            out.say(seen[-1])
     if not one:
         counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
         out.say(f"{len(files)} files: {', '.join(counts)}")
@@ -224,8 +223,7 @@ def example(
 
 def _about(make: Callable[..., Any]) -> str:
     """Return what an example is as the first lines of its file."""
-    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0]
-    said = said.removeprefix("Make ")
+    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0].removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
     lines.append("Yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.")
     return "".join(f"# {line}\n" for line in lines)

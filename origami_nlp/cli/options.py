@@ -64,11 +64,8 @@ def _claims() -> list[str]:
 
 # ---------------------------------------------------------------- what comes in
 
-ORIGAMI = _argument(
-    "ORIGAMI",
-    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, .opx, DXF); "
-    "- for either on stdin; or an example by name, such as miura:8x8.",
-)
+_KINDS = "a vertex by its scene file (TOML); a pattern by its FOLD file or drawing; - for stdin"
+ORIGAMI = _argument("ORIGAMI", f"What is folded: {_KINDS}; or an example by name, as miura:8x8.")
 FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
 SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
@@ -116,10 +113,7 @@ PROVE = _option("[SECONDS]", "Prove that none is missing (0: never; default: whe
 CERTIFICATE = _option(WRITES, "Write the proof, for check-proof.")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
 DASK = _option("ADDRESS", "Run on an existing Dask cluster (extra sweep).")
-_GRID, _DIR = (
-    ("N", "Grid points along each coordinate."),
-    ("DIR", "Folder for results; made if new."),
-)
+_GRID, _DIR = ("N", "Grid points along a coordinate."), ("DIR", "Folder of results, made if new.")
 SIZE, PHASE_SIZE = (_option(*_GRID, "--size", usual=many) for many in (401, 200))
 FOLDER, DEMO_FOLDER = (_option(*_DIR, "--folder", usual=u) for u in (..., Path("origami_demo")))
 STATE = _option("K", "Number of the minimum: the one that is loaded, or reported alone.")
@@ -127,13 +121,9 @@ PATH = _flag("Trace the folding motion of the sheet up to the first contact.", "
 
 # ---------------------------------------------------------------- parameters and loads
 
-PARAMETER = _option(
-    "NAME=FROM:TO",
-    "The parameter that varies: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
-    "vertex.sector_angles[1]; of a pattern mountains.stiffness or vertices.x[5] too; angles as 0.5, pi/6 or 30deg.",
-    "--parameter",
-    usual=...,
-)
+_NAMES = "ratio, alpha, stiffness[1], rest_angles[1], sector_angles[1]; of a pattern vertices.x[5]"
+_VARIES = f"The parameter that varies: {_NAMES} too; angles as 0.5, pi/6 or 30deg."
+PARAMETER = _option("NAME=FROM:TO", _VARIES, usual=...)
 EVENT = _option("NAME=FROM:TO", "Where events are looked for.", usual=...)
 CHECKS = _option("N", "Searches: both ends, the middle, then the widest gaps.", usual=3)
 LINES = _option("N", "Values of the second at which the first is followed.", usual=3)

@@ -30,13 +30,11 @@ class ProgressReport:
     done: float | None = None
     text: str = ""
 
-    def __call__(
-        self, done: float | None = None, total: float | None = None, text: str | None = None
-    ) -> None:
+    def __call__(self, done: Any = None, total: Any = None, text: str | None = None) -> None:
         """Say how far the job is; what is None stays."""
-        self.done = self.done if done is None else done
-        self.total = self.total if total is None else total
-        self.text = self.text if text is None else text
+        for name, value in (("done", done), ("total", total), ("text", text)):
+            if value is not None:
+                setattr(self, name, value)
         self.listener(self)
 
     def at(self, text: str) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
@@ -18,18 +18,13 @@ from origami_nlp.cli.source import Source, note, note_normalized
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError, SweepError
 
-if TYPE_CHECKING:
-    from origami_nlp.pattern import Pattern, Scene
-
 NO_COMPILER = (
     "no C compiler was found, or none is wanted: IPOPT searches, some hundred times slower, and escapes of vertices "
     "are not sought; install cc, gcc or clang, or name one by CC"
 )
 
 
-def search(
-    clock: Clock, origami: Scene | Pattern, name: str, last: bool = False, **options: Any
-) -> Any:
+def search(clock: Clock, origami: Any, name: str, last: bool = False, **options: Any) -> Any:
     """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
 
     name: of what has no label.  last: whether the command has nothing more to find.  options: of `find_minima`.
@@ -79,13 +74,12 @@ def minima(
         stated.check_plain_hinges("--certificate")
         known = "" if origami.contact == "fold-limits" else "it needs --contact fold-limits"
         if why := proof.why_no_sheet(stated) or known:
-            why = f"the list of a pattern is not proved: {why}"
-            raise OptionError(f"--certificate = {certificate!r}: {why}")
-    options: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "full": full}
-    options |= {"contact": origami.whole_contact, "noise": noise, "method": method}
+            raise OptionError(f"--certificate: the list of a pattern is not proved: {why}")
+    options: Any = {"max_starts": max_starts, "starts": starts, "full": full, "noise": noise}
+    options |= {"contact": origami.whole_contact, "method": method, "seed": seed, "effort": effort}
     # a certificate asks for a proof
     options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
-    found = search(clock, stated, origami.name, last=True, seed=seed, effort=effort, **options)
+    found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found
     out.report(found)
@@ -123,7 +117,7 @@ def contacts(
     """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
     from origami_nlp.contact import find_contacts
 
-    options: dict[str, Any] = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
+    options: Any = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
     stated = origami.read_whole(contact=True)
     found = search(clock, stated, origami.name, escape=False, **options)
     return find_contacts(found, state=state, segments=segments)

@@ -27,9 +27,7 @@ from origami_nlp.kkt import State, Stratum, find_multipliers, project
 from origami_nlp.numerics import BALANCED, FOLLOWED, NEAR_CONTACT, RANK
 from origami_nlp.problem import Contact, Problem
 
-STEPS = ContinuationOptions(
-    first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15, most=10**6
-)
+STEPS = ContinuationOptions(1e-3, 0.04, 1e-10, turn=0.05, sharpest=0.15, most=10**6)
 """Such that energy and slope are smooth between points."""
 REACH = 30.0
 """A curve is followed for this length [rad]: several times around the space of fold angles."""

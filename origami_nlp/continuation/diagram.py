@@ -28,6 +28,7 @@ from origami_nlp.continuation.branch_segments import (
 from origami_nlp.continuation.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
+    Crossed,
     CurveStep,
     Functions,
     LocatedEvent,
@@ -271,9 +272,7 @@ class BifurcationDiagram:
         node = self.nodes[number]
         node.used += _likest(node.halves, -frame.tangent)
 
-    def _trace(
-        self, curve: EquilibriumCurve, half: OneSidedBranch
-    ) -> tuple[list[Equilibrium], LocatedEvent]:
+    def _trace(self, curve: EquilibriumCurve, half: OneSidedBranch) -> Crossed:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
         stop, between = list[LocatedEvent](), list[Equilibrium]()
         verdict = "" if half.signed else half.frame.judged.verdict

@@ -218,9 +218,7 @@ class EquilibriumCurve:
             return None
         return Equilibrium(solved[0], found[0], solved[1])
 
-    def beside(
-        self, a: Equilibrium, h: float, near: Equilibrium | None = None
-    ) -> Equilibrium | None:
+    def beside(self, a: Equilibrium, h: float, near: Any = None) -> Equilibrium | None:
         """Return the point of the curve whose step from a has length h along its tangent, by Newton.
 
         near: a point known near by.

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -55,13 +55,11 @@ class ParameterLine:
             a.dead if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
             a.laws if a.laws is None or d.laws is None else a.laws.along(d.laws, s),
         )
-        other: Problem = self.problem.varied(parameters)
-        return other
+        return cast(Problem, self.problem.varied(parameters))
 
     def drift(self, p: Problem, s: float, x: np.ndarray, nu: np.ndarray, contacts: Rows) -> Rates:
         """Differentiate the KKT system with multipliers nu by s at a state [n] of the problem p at s."""
-        torque, moved = p.drift(x, nu, contacts, self.slope(s))
-        return torque, moved
+        return cast(Rates, p.drift(x, nu, contacts, self.slope(s)))
 
     def slope(self, s: float) -> np.ndarray:
         """Return the derivative of `Parameters.vector` by s."""

@@ -114,9 +114,7 @@ class Atlas(Path):
         """
         parameter = self.parameter
         if self.web is None:
-            raise OptionError(
-                "an atlas that was read from a file has no states at a value: follow anew"
-            )
+            raise OptionError("an atlas from a file has no states at a value: follow anew")
         if not parameter.low <= value <= parameter.high:
             whole = f"{parameter.low:g} to {parameter.high:g}"
             raise OptionError(f"value = {value:g} is outside what was followed, {whole}")
@@ -177,10 +175,8 @@ class Atlas(Path):
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield from bold([f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}"])
-        angles = [
-            {"event": str(e.id), "fold angles [deg]": degrees_listed(e.fold_angles)}
-            for e in self.events
-        ]
+        each = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
+        angles = [{"event": k, "fold angles [deg]": phi} for k, phi in each]
         ranges = []
         for b in self.branches:
             for r in b.kind_ranges:

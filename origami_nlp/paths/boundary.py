@@ -140,11 +140,7 @@ class BifurcationSet(Report):
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for curve, p in ((c, p) for c in self.curves for p in c.points):
-            row: dict[str, object] = {
-                "curve": curve.id,
-                "type": curve.type,
-                "contact": curve.contact,
-            }
+            row: Any = {"curve": curve.id, "type": curve.type, "contact": curve.contact}
             for k, (over, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
                 row |= {f"parameter_{k}": over.name, f"t_{k}": t, f"unit_{k}": over.unit}
             yield row | angle_columns(p.fold_angles)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
+Begun: TypeAlias = "tuple[Driver, int, np.ndarray]"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
 
@@ -53,9 +54,7 @@ class OwnForces:
 
     def __post_init__(self) -> None:
         if not self.scene.loads or not self.arm:
-            raise OptionError(
-                "crease = None: the scene has no [[loads]] with forces other than zero"
-            )
+            raise OptionError("crease = None: the scene has no [[loads]] with forces, or zero ones")
 
     @property
     def arm(self) -> float:
@@ -86,9 +85,7 @@ class Driver:
 
     work: Torque | Pull | DeadForce | OwnForces
     scene: Scene | None = None
-    elements: tuple[tuple[int, bool], ...] = field(
-        default=IDENTITY, repr=False, metadata={"plain": False}
-    )
+    elements: Any = field(default=IDENTITY, repr=False, metadata={"plain": False})
     ALSO = ("name", "unit", "coordinate", "creases")
 
     @property
@@ -177,9 +174,7 @@ class Driver:
         until = min(until, rms.until)
         return replace(rms, first=size * rms.first, longest=size * rms.longest, until=until)
 
-    def begin(
-        self, state: Any, until: float, asked: Any, full: bool
-    ) -> tuple[Driver, int, np.ndarray]:
+    def begin(self, state: Any, until: float, asked: Any, full: bool) -> Begun:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
         asked: of the search.  full: whether states may break the symmetry, if this one is stable without it; the path
@@ -205,9 +200,7 @@ class Driver:
             raise OptionError(f"{which} {why}")
         if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
             a, b = self.work.corners
-            raise OptionError(
-                f"pull = {a}, {b}: these vertices lie on each other in the loaded state"
-            )
+            raise OptionError(f"pull = {a}, {b}: these vertices lie on each other in that state")
         free = self.free
         there = State(free.problem, free.problem.reduce(phi))
         if full and classify(there).verdict == "minimum":

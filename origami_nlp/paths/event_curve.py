@@ -31,9 +31,7 @@ from origami_nlp.numerics import ROUNDED, STATIONARY
 from origami_nlp.paths.family import Plane
 from origami_nlp.problem import Contact
 
-STEPS = ContinuationOptions(
-    first=2e-3, longest=0.05, shortest=1e-4, growth=1.5, aside=0.5, most=1000
-)
+STEPS = ContinuationOptions(2e-3, 0.05, 1e-4, growth=1.5, aside=0.5, most=1000)
 """Along a curve: shares of the ranges, and `STATES` times fold angles [rad]."""
 STATES = 0.1
 AHEAD = 2e-4
@@ -63,6 +61,9 @@ class EventPoint:
     def bend(self) -> np.ndarray:
         """Not known: steps are straight."""
         return 0.0 * self.tangent
+
+
+Followed = tuple[Sequence[EventPoint], tuple[str, str]]
 
 
 @dataclass(eq=False)
@@ -158,9 +159,7 @@ class EventTracer:
         self.axis = int(np.abs(way[:2]).argmin())
         return replace(here, tangent=way / length)
 
-    def follow(
-        self, first: EventPoint, until: float
-    ) -> tuple[Sequence[EventPoint], tuple[str, str]]:
+    def follow(self, first: EventPoint, until: float) -> Followed:
         """Follow an event both ways through the plane; return its points in order, and why they end.
 
         until: when the time is over (`time.monotonic`).

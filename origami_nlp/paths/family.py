@@ -62,7 +62,7 @@ class Family:
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
         values = np.linspace(*self.parameter.ends, self.samples).tolist()
-        stated = [self.scene_of(self.parameter.t_of(s)) for s in values]
+        stated = (self.scene_of(self.parameter.t_of(s)) for s in values)
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
@@ -193,8 +193,8 @@ def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[Patt
         If some have other facets, hinge laws, another symmetry or contact.
     """
     _, whole = made[0]
-    for _, problem in made:
-        one, other = _structure(whole), _structure(problem)
+    one = _structure(whole)
+    for other in (_structure(problem) for _, problem in made):
         if one[:-1] != other[:-1]:
             why = "do not stay: state the symmetry, or follow a shorter range"
             raise OptionError(f"over {name} facets, creases, symmetry or contact {why}")

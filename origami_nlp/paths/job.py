@@ -153,8 +153,7 @@ class FollowedLoad(Ways):
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state less that of another one, at a load."""
-        problem: Any = self.line.at(t)
-        return -float(problem.energy_change(one, two))
+        return -float(self.line.at(t).energy_change(one, two))
 
     def pack(self) -> LoadPath:
         """Judge what was followed, and pack it.

@@ -128,13 +128,9 @@ def _in_ratio(of: Scene | Pattern, ratio: float) -> list[float]:
 
 def _scene_with(scene: Scene, values: Mapping[str, float]) -> Scene:
     """Return a scene with numbers at places, ``alpha`` or ``loads``."""
-    lists: dict[str, list[Any]] = {
-        "stiffness": list(scene.stiffness),
-        "rest_angles": list(scene.rest_angles),
-        "preload": list(scene.preload or (0.0,) * scene.degree),
-        "loads": list(scene.loads),
-        "laws": list(scene.laws),
-    }
+    given = ("stiffness", "rest_angles", "loads", "laws")
+    lists: dict[str, list[Any]] = {name: list(getattr(scene, name)) for name in given}
+    lists["preload"] = list(preload := scene.preload or (0.0,) * scene.degree)
     vertex, sectors = scene.vertex, dict[int, float]()
     for name, t in values.items():
         if name == "alpha":
@@ -154,7 +150,7 @@ def _scene_with(scene: Scene, values: Mapping[str, float]) -> Scene:
                 # of what is stated: an image may be named as well
                 lists["laws"][i] = law_at(scene.laws[i], what, t)
             elif what == "torque":
-                lists["preload"][i] = (scene.preload or (0.0,) * scene.degree)[i] + t
+                lists["preload"][i] = preload[i] + t
             else:
                 lists[what][i] = t
     if sectors:
@@ -192,8 +188,7 @@ def _at_alpha(scene: Scene, t: float) -> list[float]:
         slope = np.round(2 * (one - zero))
         origin = zero - 0.5 * slope
         if len(zero) == len(now) and np.abs(origin + now[0] * slope - now).max() <= RESOLVED:
-            found: list[float] = (origin + t * slope).tolist()
-            return found
+            return list((origin + t * slope).tolist())
     raise OptionError("'alpha' needs the sector angles of the families degree6 or degree8")
 
 

@@ -127,11 +127,9 @@ class PathBranch(ShortRepr):
     @property
     def kinds(self) -> list[str]:
         """What each point is, see `KindRange.kind`; where ranges meet as the first of them."""
-        return [
-            r.kind
-            for r in self.kind_ranges
-            for _ in range(r.points[0] + bool(r.points[0]), r.points[1] + 1)
-        ]
+        most = [(r.kind, r.points[1] + 1) for r in self.kind_ranges]
+        before = [0, *(end for _, end in most)]
+        return [kind for (kind, end), a in zip(most, before, strict=False) for _ in range(a, end)]
 
     def alarms(self) -> list[str]:
         """Say where states of index 0 are no minima."""

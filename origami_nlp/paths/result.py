@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -135,8 +135,7 @@ class Path(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return curves and marks as plain data, see `view`."""
-        content: Content = self._from_room("view_path")(self)  # bodies in space are slow to import
-        return content
+        return cast(Content, self._from_room("view_path")(self))  # bodies are slow to import
 
     def _listed(self) -> Iterator[tuple[dict[str, Any], str, PathPoint]]:
         """Yield every point with the number of its curve and what it is."""

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -137,16 +137,13 @@ def follow_family(
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
         survey.stop()
-    atlas: Atlas = survey.result()
-    return atlas
+    return cast(Atlas, survey.result())
 
 
 class _Survey(FollowedDiagram):
     """Searches and what they start, until the atlas is made."""
 
-    def __init__(
-        self, family: Family, full: bool, say: Callable[[str], object], **options: Any
-    ) -> None:
+    def __init__(self, family: Family, full: bool, say: Any, **options: Any) -> None:
         self._say, self.family = say, family
         self._free: Line | None = None
         if full and family.symmetric:

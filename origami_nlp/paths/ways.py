@@ -70,9 +70,7 @@ class Ways(FollowedDiagram):
         begun = ((k, node.point) for k, node in enumerate(self.nodes) if node.halves)
         return next((k for k, at in begun if np.abs(at - point).max() <= SETTLED), None)
 
-    def walk(
-        self, x: np.ndarray, s: float, toward: float, end: float, last: int = -1
-    ) -> Run | None:
+    def walk(self, x: Any, s: float, toward: float, end: float, last: int = -1) -> Run | None:
         """Go from the stable state x at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
         None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the
@@ -123,12 +121,9 @@ class Ways(FollowedDiagram):
     def _onward(self, node: int, arc: int, toward: float) -> list[int]:
         """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
         at = self.nodes[node].s
-        every = (k for k in self.meeting(node) if k != arc and not self.arcs[k].index)
+        every = [k for k, a in enumerate(self.arcs) if node in (a.start, a.end)]
+        every = [k for k in every if k != arc and not self.arcs[k].index]
         return [k for k in every if (self._far(k, toward) - at) * toward > 0]
-
-    def meeting(self, node: int) -> list[int]:
-        """Return the arcs that begin or end at a node."""
-        return [k for k, arc in enumerate(self.arcs) if node in (arc.start, arc.end)]
 
     def _far(self, arc: int, toward: float) -> float:
         """The end of an arc that lies farthest in a direction."""

@@ -159,7 +159,7 @@ def go_yielding(path: FollowedLoad, begun: Stage, t: float, end: float) -> Stage
     """Load a state [N] from t to `end`, hinges all elastic at first; return where it arrives, None before that."""
     (x, hinges), toward, kept = begun, 1.0 if end > t else -1.0, path.record
     for _ in range(MOST_STAGES):
-        job = _begin(path, x, t, toward, hinges)
+        job = _begin(path, (x, hinges), t, toward)
         if job is None:
             return None
         kept.stages.append(job)
@@ -179,10 +179,9 @@ def go_yielding(path: FollowedLoad, begun: Stage, t: float, end: float) -> Stage
     return None
 
 
-def _begin(
-    path: FollowedLoad, x: np.ndarray, t: float, toward: float, hinges: YieldingHinges
-) -> FollowedLoad | None:
+def _begin(path: FollowedLoad, begun: Stage, t: float, toward: float) -> FollowedLoad | None:
     """Return what is followed from a state on, with the hinges that go on yielding; None where it collapses."""
+    x, hinges = begun
     full = hinges.full(x)
     yielding, seen = full != 0, set[bytes]()
     while yielding.tobytes() not in seen:

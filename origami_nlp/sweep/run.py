@@ -129,7 +129,7 @@ def run_sweep(
         before = sum(status != "failed" for status in store.status.values())
         ran, interrupted = 0, True
         try:
-            for ran, states in _walk(sweep, store, pool, workers or _size(pool), until):
+            for ran, states in _walk(store, pool, workers or _size(pool), until):
                 if progress:
                     progress(before + ran, sweep.count, states)
             interrupted = False
@@ -153,10 +153,9 @@ def _size(pool: Any) -> int:
     return int(count or os.cpu_count() or 1)
 
 
-def _walk(
-    sweep: Sweep, store: Store, pool: Executor, workers: int, until: float
-) -> Iterator[tuple[int, int]]:
+def _walk(store: Store, pool: Executor, workers: int, until: float) -> Iterator[tuple[int, int]]:
     """Run what is left, and give after each scene how many were run, and how many minima they have."""
+    sweep = store.sweep
     waiting = (k for k in range(sweep.count) if store.status.get(k, "failed") == "failed")
     running, ran, states = set[Future[Any]](), 0, 0
     try:

@@ -227,8 +227,7 @@ class Sweep:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
         axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
         whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
-        data: dict[str, Any] = json.loads(json.dumps(whole))
-        return data
+        return dict(json.loads(json.dumps(whole)))
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -323,9 +322,8 @@ def _read(of: str, stated: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return base
 
 
-def _sprung(make: Any, *springs: Any, **options: Any) -> Pattern:
-    made: Pattern = make(**options).with_springs(*springs)
-    return made
+def _sprung(make: Any, *springs: Any, **options: Any) -> Any:
+    return make(**options).with_springs(*springs)
 
 
 def _axis(stated: Mapping[str, Any], where: str) -> Axis:

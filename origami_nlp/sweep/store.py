@@ -43,7 +43,7 @@ class Store:
     """
 
     def __init__(self, folder: str | Path, sweep: Sweep) -> None:
-        path, where = Path(folder) / FILE, f"--folder {str(folder)!r}"
+        self.sweep, path, where = sweep, Path(folder) / FILE, f"--folder {str(folder)!r}"
         stated = {"schema": SCHEMA, **sweep.to_dict()}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
