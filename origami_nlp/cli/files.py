@@ -39,12 +39,11 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)
     out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
-    if not path:
-        out.refuse("a page shows the motion: give --path", "html")
     lists, seen, motion = [list_vertices(one) for one in origami.frames()], None, None
     flat = [one.frame for one in lists if not one.frame.folded]
-    if not path and not flat:
-        out.refuse("there is no crease pattern to draw", "figure")
+    if not path:
+        out.refuse("a page shows the motion: give --path", "html")
+        out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
     try:
         seen = analyze_mobility(origami.read_pattern(), seed=seed)
         motion = find_motion(seen.pattern, seen, seed=seed) if path else None

@@ -111,8 +111,9 @@ class Source:
         from origami_nlp.pattern import decode_scene, scene_at
 
         if not self.is_fold:
-            states = "is for FOLD files (.fold); a scene file states it itself"
-            self._refuse(states, {*self.given} - {"symmetry"})
+            self._refuse(
+                "is for FOLD files: a scene states it itself", {*self.given} - {"symmetry"}
+            )
             scene = decode_scene(self._content, self.name)
             note_normalized(scene.vertex.normalized)
             if self.symmetry is None:
@@ -144,9 +145,8 @@ class Source:
 
         if not self.is_fold:
             raise OptionError(f"{self.name!r} is a scene: give a FOLD file or an example")
-        one = "is for one vertex, not for a pattern: "
-        self._refuse(one + "leave it out", {"vertex"})
-        self._refuse(one + "name it with --vertex", {"symmetry", *["contact"] * (not contact)})
+        refused = {"vertex", "symmetry", *["contact"] * (not contact)}
+        self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
         if not self.is_example:
             self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
         if self.bend is None:

@@ -52,13 +52,12 @@ class SpecialPoint:
 class BranchSegment:
     """Equilibria between two nodes, in the order in which they were followed.
 
-    frames: at least two, ends included.  start, end: positions of the nodes.  signed: see `halves.OneSidedBranch`.
+    frames: at least two, ends included.  start, end: positions of the nodes.
     """
 
     frames: tuple[Equilibrium, ...]
     start: int
     end: int
-    signed: bool
 
     @property
     def low(self) -> float:

@@ -220,20 +220,18 @@ CLOSES_ANOTHER = "another contact closes"
 """Why a curve ends where a state is refused; the names of what closes follow."""
 
 
-def follow_boundary(
-    held: Stratum, *, stop_at_release: bool = True, longest: float = REACH
-) -> BoundaryCurve | None:
+def follow_boundary(held: Stratum, *, stop_at_release: bool = True) -> BoundaryCurve | None:
     """Follow the boundary through a state on which its contacts stay closed, both ways.
 
     A curve ends where another contact closes, where a held contact no longer pushes (unless
     `stop_at_release` is false), where it meets itself, where closure or contacts become singular, or after
-    `longest` [rad].  None where no motion keeps the contacts closed.
+    `REACH`.  None where no motion keeps the contacts closed.
     """
     problem = held.state.problem
     ends = [_while(lambda p: not problem.refuses(p.x), CLOSES_ANOTHER)]
     if stop_at_release and (first := evaluate(held)) is not None and first.pressed:
         ends.append(_while(lambda p: p.pressed, "the contact stops pushing"))
-    found = trace_held(held, replace(STEPS, far=longest), ends)
+    found = trace_held(held, replace(STEPS, far=REACH), ends)
     if found is None:
         return None
     why = []
@@ -242,7 +240,7 @@ def follow_boundary(
             names = "; ".join(problem.name(contact) for contact in closing(point.stratum))
             end += f" ({names or 'facets meet'})"
         why.append(end)
-    return boundary_of(held.contacts, found.frames, found.s, found.signs, (why[0], why[1]))
+    return boundary_of(held.contacts, found.frames, found.s, found.signs, why)
 
 
 def _while(good: Callable[[Point], bool], why: str) -> End[Point]:
@@ -251,11 +249,7 @@ def _while(good: Callable[[Point], bool], why: str) -> End[Point]:
 
 
 def boundary_of(
-    contacts: tuple[Contact, ...],
-    points: Sequence[Point],
-    s: np.ndarray,
-    signs: np.ndarray | float,
-    ends: tuple[str, str],
+    contacts: tuple[Contact, ...], points: Sequence[Point], s: np.ndarray, signs: Any, ends: Any
 ) -> BoundaryCurve:
     """Evaluate a boundary at points with arclength s [m]; signs: of their tangents against s, [m] or one."""
     problem = points[0].stratum.state.problem

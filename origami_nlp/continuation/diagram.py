@@ -223,7 +223,7 @@ class BifurcationDiagram:
             for event in [] if at_flat else self._between(step, here):
                 number, known = self._node(event)
                 begun.append(event.frame)
-                self._arc(begun, here, number, half.signed)
+                self._arc(begun, here, number)
                 if known or event.type in ("singular", *self.stops):
                     self._arrive(number, event.frame)
                     return todo
@@ -236,11 +236,11 @@ class BifurcationDiagram:
         if len(begun) < 2:
             return todo
         if stop.type == START:  # once around
-            self._arc(begun, here, start, half.signed)
+            self._arc(begun, here, start)
             self._arrive(start, begun[-1])
             return todo
         number, _ = self._node(stop)
-        self._arc(begun, here, number, half.signed)
+        self._arc(begun, here, number)
         if stop.type == AGAIN:
             node = self.nodes[number]
             node.halves.append(replace(half, frame=stop.frame))
@@ -377,12 +377,12 @@ class BifurcationDiagram:
         self.nodes.append(SpecialPoint(event.type, point, event.contact, event.value, *how))
         return len(self.nodes) - 1, False
 
-    def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
+    def _arc(self, frames: list[Equilibrium], start: int, end: int) -> None:
         first, point = frames[0], self.nodes[start].point
         if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
             system = BorderedSystem(self.line, point, first.hold)
             frames = [Equilibrium(point, first.tangent, system), *frames]
-        self.arcs.append(BranchSegment(tuple(frames), start, end, signed))
+        self.arcs.append(BranchSegment(tuple(frames), start, end))
 
     def _go_on(self, number: int, half: OneSidedBranch, stop: LocatedEvent) -> Halves:
         """Find how equilibria go on from the node at which a half-branch ends."""

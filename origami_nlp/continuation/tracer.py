@@ -158,11 +158,6 @@ class Trace(Generic[F]):
     behind: int
 
     @property
-    def closed(self) -> bool:
-        """Whether it is a loop: the last point is the first."""
-        return self.end == CLOSED_CURVE
-
-    @property
     def states(self) -> np.ndarray:
         """Its points, [m, n]."""
         return np.array([frame.x for frame in self.frames])

@@ -150,10 +150,8 @@ class Atlas(Path):
         least = STATIONARY * max(self.scene.stiffness)  # below, moments are rounding
         if any(moment(p) > least for p in points):
             panels["largest moment [N m]"] = moment
-        return [
-            Plot(over.axis, y, lambda p, of=of: (over.drawn(p.t), of(p)))  # type: ignore[misc]
-            for y, of in panels.items()
-        ]
+        place: Any = lambda of: lambda p: (over.drawn(p.t), of(p))  # noqa: E731
+        return [Plot(over.axis, y, place(of)) for y, of in panels.items()]
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, what is not known, and the details: fold angles, branches and checks."""

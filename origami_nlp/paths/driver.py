@@ -115,19 +115,14 @@ class Driver:
         return self.work.creases
 
     @property
-    def alike(self) -> int:
-        """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
-        return len(self.creases) if self.scene and self.creases else 1
-
-    @property
     def coordinate(self) -> str:
         """What the load works on, with its unit; of images the mean."""
         mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
-        return mean if self.alike > 1 else self.work.coordinate
+        return mean if self.scene and len(self.creases) > 1 else self.work.coordinate
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return what the load works on at states [..., N]."""
-        return self.work.conjugate(fold_angles) / self.alike
+        """Return what the load works on at states [..., N]; of images, which turn alike, the mean."""
+        return self.work.conjugate(fold_angles) / (len(self.creases) or 1 if self.scene else 1)
 
     @property
     def farthest(self) -> float:
@@ -146,7 +141,8 @@ class Driver:
 
     def images(self, fold_angles: np.ndarray, at: np.ndarray | None = None) -> list[np.ndarray]:
         """Return the images of a state under symmetries of the load; at: under those that keep another state."""
-        every = [image_of(len(fold_angles), e) for e in self.elements]
+        n = np.arange(len(fold_angles))
+        every = [(shift + (-n if mirrored else n)) % len(n) for shift, mirrored in self.elements]
         kept = (i for i in every if at is None or np.abs(at[i] - at).max() <= SETTLED)
         return [fold_angles[i] for i in kept]
 
@@ -232,10 +228,3 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
     here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
     creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
     return Driver(Torque(one_vertex(origami), creases), origami, origami.group.elements)
-
-
-def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
-    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
-    shift, mirrored = element
-    i = np.arange(n)
-    return (shift - i if mirrored else shift + i) % n

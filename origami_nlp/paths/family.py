@@ -207,8 +207,7 @@ def _structure(p: PatternProblem) -> tuple[Any, ...]:
     """Return what problems that are posed alike share; last the laws, but for their factors and shifts."""
     orbit = None if p.orbits is None else p.orbits.orbit.tolist()
     laws = () if p.parameters.laws is None else p.parameters.laws.laws
-    facets = p.pattern.polygons, p.pattern.ends.tolist()
-    return *facets, p.contact, p.has_limits, orbit, laws
+    return p.pattern.polygons, p.pattern.ends.tolist(), p.contact, p.has_limits, orbit, laws
 
 
 def _posed_as(whole: PatternProblem, stated: Any, problem: PatternProblem) -> PatternProblem:

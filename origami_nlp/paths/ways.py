@@ -88,8 +88,8 @@ class Ways(FollowedDiagram):
             if not known:
                 return None
             number, frame = known[0]
-            ends = self.arcs[number].start, self.arcs[number].end
-            near = min(ends, key=lambda k: abs(self.nodes[k].s - s))
+            arc = self.arcs[number]
+            near = min((arc.start, arc.end), key=lambda k: abs(self.nodes[k].s - s))
             arcs = ahead() if self.resume(near, toward) else []
             if not arcs:
                 return Run(self, (frame,), near, self._why(near, end), toward)

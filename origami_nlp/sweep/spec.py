@@ -203,12 +203,12 @@ class Sweep:
         A larger symmetry that single values happen to have (equal rest angles) is not imposed there: numbers of
         states along an axis would not count the same thing.
         """
-        values, alike = {}, self.search["mode"] == "list"
+        values, each = {}, self.search["mode"] == "grid"
         for k, axis in enumerate(self.axes):
             a = axis.values[0]
             b = next((v for v in axis.values if v != a), a)
             # no rational relation between axes
-            values[axis.name] = a + math.exp(-1.0 - (0 if alike else k)) * (b - a)
+            values[axis.name] = a + math.exp(-1.0 - k * each) * (b - a)
         with contextlib.suppress(OrigamiError):
             if getattr(made := self._made(values), "symmetry", "") == "auto":
                 return made  # type: ignore[return-value]
