@@ -129,6 +129,13 @@ def drawn_load(name: str) -> None:
     o.draw(path, FOLDER / f"{name}.png")
 
 
+def drawn_boundary(name: str) -> None:
+    """Draw where states of a vertex of the source paper appear, change and vanish."""
+    over = "ratio=0.1:100", "alpha=61deg:85deg"
+    found = o.find_bifurcation_set(o.examples.degree6("5*pi/12"), *over, lines=4, across=3)
+    o.draw(found, FOLDER / f"{name}.png")
+
+
 def drawn_hinges(name: str) -> None:
     """Draw the load path of a crease that yields."""
     vertex = o.Vertex.from_degrees((70, 80, 120, 90))
@@ -160,19 +167,14 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "gallery": lambda _: by_command("tests.gallery"),
-    **{
-        f"states_{family}": lambda name: by_command(
-            "tests.paths.maps", name.removeprefix("states_")
-        )
-        for family in ("degree6", "degree8")
-    },
+    "boundary_degree6": drawn_boundary,
     "bistable_waterbomb": drawn_load,
     "hinges": drawn_hinges,
     "speed": recorded,
     "engines": recorded_engines,
 }
 """What makes each picture of the documentation; ``gallery`` its folder and page."""
-SLOW = ("gallery", "states_degree6", "states_degree8")
+SLOW = ("gallery", "boundary_degree6")
 """Made only by name, or with ``all``: minutes each."""
 
 if __name__ == "__main__":

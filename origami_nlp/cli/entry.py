@@ -19,15 +19,7 @@ from origami_nlp.cli.files import check, convert, example, hinge, inspect
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.paths import boundary, follow, load
-from origami_nlp.cli.states import (
-    barriers,
-    check_proof,
-    contacts,
-    design,
-    landscape,
-    minima,
-    sweep,
-)
+from origami_nlp.cli.states import barriers, check_proof, contacts, design, landscape, minima, sweep
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import printable
 from origami_nlp.version import __version__
@@ -55,13 +47,11 @@ def _version(asked: bool) -> None:
         raise typer.Exit()
 
 
-_VERSION: Any = typer.Option(
-    False, "--version", callback=_version, is_eager=True, help="Show the version."
-)
+_SHOW: Any = {"callback": _version, "is_eager": True, "help": "Show the version."}
 
 
 @app.callback()
-def origami_nlp(version: bool = _VERSION) -> None:
+def origami_nlp(version: bool = typer.Option(False, "--version", **_SHOW)) -> None:
     """Take the options of the program itself."""
 
 
@@ -112,9 +102,7 @@ def _end(error: Any) -> NoReturn:
         said = "".join(traceback.format_exception(error))
         print(printable(said, lines=True), file=sys.stderr)
         where = f"origami-nlp {__version__}, Python {platform.python_version()}"
-        _stop(
-            f"internal error, please report what stands above, with the file; {where}", Ended.FAULT
-        )
+        _stop(f"internal error, please report all of this, with the file; {where}", Ended.FAULT)
     if "Help" in type(error).__name__:  # a group that is called without a command
         print(error.format_message(), file=sys.stderr)
         sys.exit(Ended.WRONG)

@@ -31,7 +31,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     scene, or with --vertex: the springs of each crease, variables and constraints; -o FILE.toml is that vertex as a
     scene file.
     """
-    from origami_nlp.display import InteractivePage, draw_pattern
+    from origami_nlp.display import draw_pattern
     from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
     from origami_nlp.pattern_states import analyze_mobility, find_motion
     from origami_nlp.validity import list_vertices, print_vertices, vertices_to_dict
@@ -39,12 +39,11 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)
     out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
-    if not path:
-        out.refuse("a page shows the motion: give --path", "html")
     lists, seen, motion = [list_vertices(one) for one in origami.frames()], None, None
     flat = [one.frame for one in lists if not one.frame.folded]
-    if not path and not flat:
-        out.refuse("there is no crease pattern to draw", "figure")
+    if not path:
+        out.refuse("a page shows the motion: give --path", "html")
+        out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
     try:
         seen = analyze_mobility(origami.read_pattern(), seed=seed)
         motion = find_motion(seen.pattern, seen, seed=seed) if path else None
@@ -61,7 +60,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     frame, frames = partial(state_frame, seen.pattern), []
     if motion:
         frames = path_frames(frame, motion.fold_angles, motion.energy, "folding motion")
-        out.save("html", lambda file: InteractivePage(motion.view_content()).save(file))
+        out.page(motion)
     elif seen.folded is not None:
         frames = [frame(seen.folded, f"folded: {seen.start}")]
     out.write("fold", states_to_fold, seen.pattern, frames)
@@ -124,14 +123,13 @@ def check(
     for file in files:
         try:
             seen.append(check_file(file, frame=frame, tolerance=tolerance))
+            ends[seen[-1].verdict] += 1
+            out.say(seen[-1])
         except (FoldFileError, OptionError) as error:
             if one:
                 raise
             ends["not read"] += 1
             out.say(f"{file}: not read: {error}")
-        else:
-            ends[seen[-1].verdict] += 1
-            out.say(seen[-1])
     if not one:
         counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
         out.say(f"{len(files)} files: {', '.join(counts)}")
@@ -162,11 +160,12 @@ def convert(
     from origami_nlp.pattern import convert as written
 
     out.check(("OUT", to))
-    pairs = [pair.rpartition("=") for pair in colour or ()]
-    for pair, parts in zip(colour or (), pairs, strict=True):
-        if not all(parts):
+    letters = {}
+    for pair in colour or ():
+        key, _, letter = pair.rpartition("=")
+        if not (key and letter):
             raise OptionError(f"--colour = {pair!r} must be KEY=LETTER, such as '#EE1032=M'")
-    letters = {key: letter.upper() for key, _, letter in pairs}
+        letters[key] = letter.upper()
     asked = DrawingOptions(tolerance, letters, curves, part)
     drawing = asked if asked != DrawingOptions() else None
     made = written(source, to, frame=frame, drawing=drawing, write=WriteOptions(scale, size))
@@ -216,19 +215,14 @@ def example(
         if word not in examples.BY_NAME:
             raise OptionError(f"NAME = {name!r} is a crease pattern, no vertex: give -o FILE.fold")
         if cell or (any(size) and not out.files("fold")):
-            raise OptionError(
-                f"NAME = {name!r}: a size or a cell is of a pattern: give -o FILE.fold"
-            )
+            raise OptionError(f"NAME = {name!r} is of a pattern, cell or size: give -o FILE.fold")
         text = _about(examples.maker(word)) + format_scene(examples.by_name(word, **given))
         out.or_stdout("scene").write("scene", lambda: text)
 
 
 def _about(make: Callable[..., Any]) -> str:
     """Return what an example is as the first lines of its file."""
-    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0]
-    said = said.removeprefix("Make ")
+    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0].removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
-    lines.append(
-        "To make it yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad."
-    )
+    lines.append("Yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.")
     return "".join(f"# {line}\n" for line in lines)

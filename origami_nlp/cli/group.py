@@ -18,10 +18,8 @@ from origami_nlp.cli.timed import Clock
 from origami_nlp.io import is_number
 
 NAMED = inspect.Parameter.KEYWORD_ONLY
-OF_FILE = {
-    name: one.replace(kind=NAMED)
-    for name, one in inspect.signature(Source, eval_str=True).parameters.items()
-}
+_STATED = inspect.signature(Source, eval_str=True).parameters
+OF_FILE = {name: one.replace(kind=NAMED) for name, one in _STATED.items()}
 """What a command that takes ORIGAMI has, by name."""
 
 
@@ -93,11 +91,11 @@ class _Plain:
         sections: dict[str, list[tuple[str, str]]] = {}
         for one in self.get_params(ctx):
             name, about = one.get_help_record(ctx)
-            is_option = one.param_type_name == "option"
-            heading = getattr(one, "rich_help_panel", None) or (
-                "Options" if is_option else "Arguments"
-            )
-            sections.setdefault(heading, []).append((name if is_option else one.metavar, about))
+            usual = "Options"
+            if one.param_type_name != "option":
+                usual, name = "Arguments", one.metavar
+            heading = getattr(one, "rich_help_panel", None) or usual
+            sections.setdefault(heading, []).append((name, about))
         for name, one in getattr(self, "commands", {}).items():
             row = (name, one.help.split("\n\n")[0])
             sections.setdefault(one.rich_help_panel or "Commands", []).append(row)
@@ -152,11 +150,9 @@ class Group(typer.Typer):
     """
 
     def __init__(self, help: str, **options: Any) -> None:
-        options = {"add_completion": False, **options}
+        options = {"add_completion": False, "no_args_is_help": True, **options}
         # without markup: rich would take "[rad]" for it, and cut what is too long for a narrow terminal
-        super().__init__(
-            cls=_Commands, help=help, no_args_is_help=True, rich_markup_mode=None, **options
-        )
+        super().__init__(cls=_Commands, help=help, rich_markup_mode=None, **options)
 
     def add(self, *commands: Callable[..., None], under: str | None = None) -> None:
         """Add commands under the names of their functions, and a heading."""

@@ -41,20 +41,12 @@ def output(help: str) -> Any:
     return _option(WRITES, help, "--output", "-o")
 
 
-def _of_file(metavar: str, help: str, *names: str) -> Any:
-    return _option(metavar, help, *names, rich_help_panel=FOLD_FILES)
+def _of_file(metavar: str, help: str) -> Any:
+    return _option(metavar, help, rich_help_panel=FOLD_FILES)
 
 
 def _file_flag(help: str, name: str) -> Any:
     return _flag(help, name, usual=None, rich_help_panel=FOLD_FILES)
-
-
-def _folder(usual: Any) -> Any:
-    return _option("DIR", "Folder for the results; made if new.", "--folder", usual=usual)
-
-
-def _grid(usual: int) -> Any:
-    return _option("N", "Grid points along each coordinate.", "--size", usual=usual)
 
 
 def wanted_proof(value: str | None) -> bool | float | None:
@@ -72,11 +64,8 @@ def _claims() -> list[str]:
 
 # ---------------------------------------------------------------- what comes in
 
-ORIGAMI = _argument(
-    "ORIGAMI",
-    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, .opx, DXF); "
-    "- for either on stdin; or an example by name, such as miura:8x8.",
-)
+_KINDS = "a vertex by its scene file (TOML); a pattern by its FOLD file or drawing; - for stdin"
+ORIGAMI = _argument("ORIGAMI", f"What is folded: {_KINDS}; or an example by name, as miura:8x8.")
 FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
 SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
@@ -90,11 +79,8 @@ EXAMPLE = _argument(
 TARGETS = _argument("TARGETS", "What is asked for (TOML), - for stdin, or an example by name.")
 DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
 CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")
-HINGE_DATA = _argument(
-    "DATA",
-    "Table of text, - for stdin: columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if wanted, weight, "
-    "in the order of the measurement; # begins a remark.",
-)
+_COLUMNS = "columns angle_deg (or _rad), torque_Nm (or _Nmm) and, if wanted, weight, as measured"
+HINGE_DATA = _argument("DATA", f"Table of text, - for stdin: {_COLUMNS}; # begins a remark.")
 
 # ---------------------------------------------------------------- what a file leaves open
 
@@ -108,11 +94,7 @@ REST_ANGLE = _of_file("DEG", "Size of rest angles where the file gives none [deg
 REST_FROM = _of_file("file|measured", "Where a folded form rests (default: as its file says).")
 BEND = _of_file("K", "Facets bend about diagonals of stiffness K per length [N/rad].")
 DIAGONAL = _of_file("short|long|both", "Which diagonals --bend takes (default short).")
-SNAP = _of_file(
-    "SHARE",
-    "Move corners of a drawing by at most this share of the sheet, so that sectors that are nearly equal, in a line or "
-    "fold flat do so exactly.",
-)
+SNAP = _of_file("SHARE", "Move corners of a drawing by at most this share: sectors become exact.")
 CELL = _file_flag("Of an example such as miura:1x1: a cell that repeats.", "--cell")
 ROLLED = _of_file("N", "Of --cell: copies once round a tube, N or P,Q along both; 0: may curl.")
 
@@ -127,29 +109,21 @@ EFFORT = _option("quick|normal|thorough", "How long the search goes on.", usual=
 METHOD = _option("batch|ipopt", "Compiled descents, or IPOPT on the same problem.", usual="batch")
 FULL = _flag("Judge stability without the symmetry too, or not.", "--full/--no-full", usual=None)
 NOISE = _option("DEG", "How many random errors of DEG degrees does each state survive?")
-PROVE = _option(
-    "[SECONDS]",
-    "Prove that no minimum is missing, in at most SECONDS (0: never; default: where it is cheap).",
-    "--prove",
-)
+PROVE = _option("[SECONDS]", "Prove that none is missing (0: never; default: where it is cheap).")
 CERTIFICATE = _option(WRITES, "Write the proof, for check-proof.")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
 DASK = _option("ADDRESS", "Run on an existing Dask cluster (extra sweep).")
-SIZE, PHASE_SIZE = _grid(401), _grid(200)
-FOLDER = _folder(...)
-DEMO_FOLDER = _folder(Path("origami_demo"))
+_GRID, _DIR = ("N", "Grid points along a coordinate."), ("DIR", "Folder of results, made if new.")
+SIZE, PHASE_SIZE = (_option(*_GRID, "--size", usual=many) for many in (401, 200))
+FOLDER, DEMO_FOLDER = (_option(*_DIR, "--folder", usual=u) for u in (..., Path("origami_demo")))
 STATE = _option("K", "Number of the minimum: the one that is loaded, or reported alone.")
 PATH = _flag("Trace the folding motion of the sheet up to the first contact.", "--path")
 
 # ---------------------------------------------------------------- parameters and loads
 
-PARAMETER = _option(
-    "NAME=FROM:TO",
-    "The parameter that varies: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
-    "vertex.sector_angles[1]; of a pattern mountains.stiffness or vertices.x[5] too; angles as 0.5, pi/6 or 30deg.",
-    "--parameter",
-    usual=...,
-)
+_NAMES = "ratio, alpha, stiffness[1], rest_angles[1], sector_angles[1]; of a pattern vertices.x[5]"
+_VARIES = f"The parameter that varies: {_NAMES} too; angles as 0.5, pi/6 or 30deg."
+PARAMETER = _option("NAME=FROM:TO", _VARIES, usual=...)
 EVENT = _option("NAME=FROM:TO", "Where events are looked for.", usual=...)
 CHECKS = _option("N", "Searches: both ends, the middle, then the widest gaps.", usual=3)
 LINES = _option("N", "Values of the second at which the first is followed.", usual=3)
@@ -182,9 +156,7 @@ _RATIO = "Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone
 RATIO = _option("R", _RATIO, usual=1.0)
 RATIO_WANTED = _option("R", _RATIO, "--ratio")
 DEGREE = _option("N", "Number N of creases: even, at least 6.", usual=...)
-REST_ELEVATION = _option(
-    "ANGLE", 'Elevation nu_0 at rest [rad], up > 0: 0.3 or "-pi/6".', "--rest-elevation", usual=...
-)
+REST_ELEVATION = _option("ANGLE", 'Elevation nu_0 at rest [rad]: 0.3 or "-pi/6".', usual=...)
 REST_RULE = _option("waterbomb|paper", "What the cone rests in.", usual="waterbomb")
 END_RULE = _option("contract|contact", "Where a steep flap ends.", usual="contract")
 CLAIM = _option("ID", "Decide this claim only (repeatable).", "--only", autocompletion=_claims)

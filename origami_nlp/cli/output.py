@@ -58,9 +58,7 @@ class Output:
         If a file cannot be written, has the wrong ending, or is given twice; if what writes it is not installed.
     """
 
-    def __init__(
-        self, files: Sequence[str] | None = None, kinds: Sequence[str] = (), verbose: bool = False
-    ) -> None:
+    def __init__(self, files: Any = None, kinds: Sequence[str] = (), verbose: bool = False) -> None:
         self._given = [(_kind(file, kinds), _place(file)) for file in files or ()]
         self.verbose, self.gone = verbose, False
         self.check()
@@ -108,7 +106,6 @@ class Output:
 
     def report(self, found: Any) -> None:
         """Print a result, and write it to all files."""
-        from origami_nlp.display import InteractivePage
         from origami_nlp.minima import write_parts
 
         self.say(found)
@@ -117,7 +114,19 @@ class Output:
         self.write("figure", lambda: found.draw())
         self.write("fold", lambda: found.to_fold())
         self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
+        self.page(found)
+
+    def page(self, found: Any) -> None:
+        """Write a page with the states of a result, where one is asked for."""
+        from origami_nlp.display import InteractivePage
+
         self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
+
+    def save(self, kind: str, save: Callable[..., Any], *arguments: Any) -> None:
+        """Let ``save(*arguments, file)`` write each file of `kind`."""
+        for file in self.files(kind):
+            save(*arguments, file)
+            self.written(file)
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.
@@ -129,12 +138,6 @@ class Output:
             for file in files:
                 _write(content, file, 1 if kind == "fold" else 2)
                 self.written(file)
-
-    def save(self, kind: str, save: Callable[..., Any], *arguments: Any) -> None:
-        """Let ``save(*arguments, file)`` write each file of `kind`."""
-        for file in self.files(kind):
-            save(*arguments, file)
-            self.written(file)
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""

@@ -50,9 +50,8 @@ def load(
     pulled, forced = _numbers("--pull", pull, 2), _numbers("--force", force, 4)
     what = origami.read_whole()
     bears = _work(what, crease, pulled, forced, fixed_facet)
-    options: dict[str, Any] = {"to": end, "unload": unload, "full": full}
-    options |= {"effort": effort, "seed": seed, "starts": starts, "state": state}
-    options["yield_torque"] = _yields(yields, len(what.stiffness))
+    options: Any = {"to": end, "unload": unload, "full": full, "effort": effort, "seed": seed}
+    options |= {"starts": starts, "state": state, "yield_torque": _yields(yields, what)}
     with progress(f"{origami.name} under load"):
         return clock.within(load_path, what, bears, **options)
 
@@ -71,14 +70,14 @@ def _vertex(option: str, value: float) -> int:
     return int(value)
 
 
-def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
+def _yields(given: list[str] | None, what: Any) -> dict[int, float] | None:
     """Return the torques at which creases yield, by crease from 1; later ones count."""
     found: dict[int, float] = {}
     for text in given or ():
         crease, some, torque = text.rpartition("=")
         if not is_number(torque) or (some and not crease.isdecimal()):
             raise OptionError(f"--yield = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01")
-        which = [int(crease)] if some else range(1, creases + 1)
+        which = [int(crease)] if some else range(1, len(what.stiffness) + 1)
         found |= dict.fromkeys(which, float(torque))
     return found or None
 
@@ -117,7 +116,7 @@ def follow(
     """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.paths import follow as follow_states
 
-    options: dict[str, Any] = {"starts": starts, "full": full, "checks": checks, "effort": effort}
+    options: Any = {"starts": starts, "full": full, "checks": checks, "effort": effort}
     # options of an example by name are among what it can be followed over
     named = origami.is_example and not origami.given
     what = origami.name if named else origami.read_whole()

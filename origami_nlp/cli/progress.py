@@ -30,13 +30,11 @@ class ProgressReport:
     done: float | None = None
     text: str = ""
 
-    def __call__(
-        self, done: float | None = None, total: float | None = None, text: str | None = None
-    ) -> None:
+    def __call__(self, done: Any = None, total: Any = None, text: str | None = None) -> None:
         """Say how far the job is; what is None stays."""
-        self.done = self.done if done is None else done
-        self.total = self.total if total is None else total
-        self.text = self.text if text is None else text
+        for name, value in (("done", done), ("total", total), ("text", text)):
+            if value is not None:
+                setattr(self, name, value)
         self.listener(self)
 
     def at(self, text: str) -> None:
@@ -83,9 +81,8 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     aside: Any = {"redirect_stdout": False, "redirect_stderr": False, "transient": True}
     with Progress(TimeElapsedColumn(), BarColumn(16), text, console=console, **aside) as bar:
         task = bar.add_task(printable(report.line), total=report.total)
-        report.listener = lambda r: bar.update(
-            task, completed=r.done, total=r.total, description=printable(r.line)
-        )
+        now: Any = lambda r: {"completed": r.done, "total": r.total}  # noqa: E731
+        report.listener = lambda r: bar.update(task, description=printable(r.line), **now(r))
         yield
 
 

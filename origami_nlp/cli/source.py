@@ -83,13 +83,11 @@ class Source:
         """What it holds, by its name; of a drawing without one by its first letters."""
         if (ending := Path(self.name).suffix.lower()) in (".toml", ".fold", ".json"):
             return "scene" if ending == ".toml" else "FOLD"
-        from origami_nlp.drawings import (
-            drawing_kind,  # readers of drawings are not loaded for scenes
-        )
+        # readers of drawings are not loaded for scenes
+        from origami_nlp.drawings import drawing_kind
 
-        if drawing_kind(self.name, b"") or drawing_kind(self.name, self._content):
-            return "drawing"
-        return "scene"
+        drawn = drawing_kind(self.name, b"") or drawing_kind(self.name, self._content)
+        return "drawing" if drawn else "scene"
 
     @cached_property
     def is_example(self) -> bool:
@@ -113,8 +111,9 @@ class Source:
         from origami_nlp.pattern import decode_scene, scene_at
 
         if not self.is_fold:
-            states = "is for FOLD files (.fold); a scene file states it itself"
-            self._refuse(states, {*self.given} - {"symmetry"})
+            self._refuse(
+                "is for FOLD files: a scene states it itself", {*self.given} - {"symmetry"}
+            )
             scene = decode_scene(self._content, self.name)
             note_normalized(scene.vertex.normalized)
             if self.symmetry is None:
@@ -135,8 +134,7 @@ class Source:
         whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1 and whole.cell is None:
-            taken = f"--vertex {one[0].number} takes it as a vertex, with its symmetry"
-            note(f"one vertex, taken as a pattern; {taken}")
+            note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")
         for odd in whole.notes:
             note(odd)
         return whole
@@ -146,11 +144,9 @@ class Source:
         from origami_nlp.pattern import frame_pattern, with_bending
 
         if not self.is_fold:
-            why = "is the scene of one vertex: give a FOLD file or an example"
-            raise OptionError(f"{self.name!r} {why}")
-        one = "is for one vertex, not for a pattern: "
-        self._refuse(one + "leave it out", {"vertex"})
-        self._refuse(one + "name it with --vertex", {"symmetry", *["contact"] * (not contact)})
+            raise OptionError(f"{self.name!r} is a scene: give a FOLD file or an example")
+        refused = {"vertex", "symmetry", *["contact"] * (not contact)}
+        self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
         if not self.is_example:
             self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
         if self.bend is None:
@@ -158,25 +154,20 @@ class Source:
         frame = self._frame()
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
         whole = whole.with_springs(per_length=True) if self.per_length else whole
-        return (
-            whole if self.bend is None else with_bending(whole, self.bend, self.diagonal or "short")
-        )
+        if self.bend is None:
+            return whole
+        return with_bending(whole, self.bend, self.diagonal or "short")
 
-    def frames(self) -> tuple[Frame, ...]:
-        """Return the frame asked for, or all."""
+    def frames(self, usual: Any = None) -> tuple[Frame, ...]:
+        """Return the frame asked for; where none is, all, or the usual one."""
         from origami_nlp.pattern import parse_fold
 
-        return parse_fold(self._content, self.frame, source=self._typed)
+        number = usual if self.frame is None else self.frame
+        typed = "standard input" if self.name == "-" else self.name
+        return parse_fold(self._content, number, source=typed)
 
     def _frame(self) -> Frame:
-        from origami_nlp.pattern import parse_fold
-
-        number = "first" if self.frame is None else self.frame
-        return parse_fold(self._content, number, source=self._typed)[0]  # type: ignore[arg-type]
-
-    @property
-    def _typed(self) -> str:
-        return "standard input" if self.name == "-" else self.name
+        return self.frames("first")[0]
 
     @cached_property
     def _content(self) -> bytes:
@@ -190,9 +181,9 @@ class Source:
             known = examples.names()
             those = f"{', '.join(known)}{did_you_mean(self.name.partition(':')[0], known)}"
             raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
-        is_scene = ending in (".toml", "")
-        what, error = ("scene", SceneFileError) if is_scene else ("FOLD", FoldFileError)
-        return read_limited(self.name, LARGEST, what, error)
+        if ending in (".toml", ""):
+            return read_limited(self.name, LARGEST, "scene", SceneFileError)
+        return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
 
     def _of(self, *names: str) -> dict[str, Any]:
         return {name: self.given[name] for name in names if name in self.given}

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
@@ -18,18 +18,13 @@ from origami_nlp.cli.source import Source, note, note_normalized
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError, SweepError
 
-if TYPE_CHECKING:
-    from origami_nlp.pattern import Pattern, Scene
-
 NO_COMPILER = (
     "no C compiler was found, or none is wanted: IPOPT searches, some hundred times slower, and escapes of vertices "
     "are not sought; install cc, gcc or clang, or name one by CC"
 )
 
 
-def search(
-    clock: Clock, origami: Scene | Pattern, name: str, last: bool = False, **options: Any
-) -> Any:
+def search(clock: Clock, origami: Any, name: str, last: bool = False, **options: Any) -> Any:
     """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
 
     name: of what has no label.  last: whether the command has nothing more to find.  options: of `find_minima`.
@@ -79,13 +74,12 @@ def minima(
         stated.check_plain_hinges("--certificate")
         known = "" if origami.contact == "fold-limits" else "it needs --contact fold-limits"
         if why := proof.why_no_sheet(stated) or known:
-            why = f"the list of a pattern is not proved: {why}"
-            raise OptionError(f"--certificate = {certificate!r}: {why}")
-    options: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "full": full}
-    options |= {"contact": origami.whole_contact, "noise": noise, "method": method}
+            raise OptionError(f"--certificate: the list of a pattern is not proved: {why}")
+    options: Any = {"max_starts": max_starts, "starts": starts, "full": full, "noise": noise}
+    options |= {"contact": origami.whole_contact, "method": method, "seed": seed, "effort": effort}
     # a certificate asks for a proof
     options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
-    found = search(clock, stated, origami.name, last=True, seed=seed, effort=effort, **options)
+    found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found
     out.report(found)
@@ -123,7 +117,7 @@ def contacts(
     """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
     from origami_nlp.contact import find_contacts
 
-    options: dict[str, Any] = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
+    options: Any = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
     stated = origami.read_whole(contact=True)
     found = search(clock, stated, origami.name, escape=False, **options)
     return find_contacts(found, state=state, segments=segments)
@@ -163,7 +157,6 @@ def landscape(
     from origami_nlp import paper
     from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
-    from origami_nlp.display import InteractivePage
 
     stated = origami.read()
     name = stated.label or origami.name
@@ -173,14 +166,10 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = (
-            coordinates(stated, 8).reason
-            or "it has one symmetric degree of freedom only; origami-nlp minima -o FILE.png draws its energy"
-        )
+        why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
     if stated.contact != "full":
-        why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"
-        out.refuse(why, "json")
+        out.refuse(f"the admissible space needs contact = 'full', not {stated.contact!r}", "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
     with progress(f"{name}: boundary, passes between minima"):
         exact = paper.find_landscape(result, size=size)
@@ -190,8 +179,7 @@ def landscape(
             more = paper.find_space(stated), paper.find_critical_points(stated), passes
             out.write("json", paper.landscape_to_dict, exact, *more)
     out.write("figure", paper.draw_landscape, exact)
-    out.save("html", lambda file: InteractivePage(exact.result.view_content()).save(file))
-    return None
+    out.page(exact.result)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)
@@ -244,8 +232,8 @@ def sweep(
     note_normalized(stated.normalized, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
-        options: dict[str, Any] = {"executor": executor, "workers": workers}
-        options["progress"] = lambda done, total, states: report(done, total, f"{states} states")
+        say = lambda done, total, states: report(done, total, f"{states} states")  # noqa: E731
+        options = {"executor": executor, "workers": workers, "progress": say}
         done = clock.within(run_sweep, stated, folder, **options)
         clock.found = None  # its words follow
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
@@ -255,8 +243,7 @@ def sweep(
         by = " by the time limit" if clock.over else ""
         out.say(f"interrupted{by}: the same command goes on from here")
         return Ended.OUT_OF_TIME if clock.over else Ended.INTERRUPTED
-    failed = done.counts.get("failed")
-    if failed:
+    if failed := done.counts.get("failed"):
         out.say("failed scenes are tried again by the same command; reasons are in the store")
     out.written(folder)
     out.write("csv", lambda: load_states(folder).to_csv(index=False))
@@ -274,8 +261,7 @@ def _executor(address: str | None) -> Iterator[Any]:
         distributed.comm.get_address_host_port(address)  # a client without an address raises again
         client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        why = str(error).splitlines()[0]
-        raise SweepError(f"--dask {address!r} cannot be reached: {why}") from None
+        raise SweepError(f"--dask {address!r} cannot be reached: {error}") from None
     try:
         pool = client.get_executor()
         pool.num_workers = sum(client.nthreads().values())

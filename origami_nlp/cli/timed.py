@@ -73,9 +73,7 @@ class Clock:
                 signal.signal(signal.SIGALRM, former)
         return None
 
-    def within(
-        self, verb: Callable[..., Any], *given: Any, last: bool = True, **options: Any
-    ) -> Any:
+    def within(self, verb: Any, *given: Any, last: bool = True, **options: Any) -> Any:
         """Return what a verb finds that keeps to the limit itself, as its ``seconds``; what is None is left to it.
 
         last: whether the command has nothing more to find.

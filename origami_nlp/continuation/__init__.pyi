@@ -17,10 +17,7 @@ from .curve import (
     trace_held as trace_held,
 )
 from .diagram import STEPS as STEPS, BifurcationDiagram as BifurcationDiagram
-from .equilibrium import (
-    Equilibrium as Equilibrium,
-    EquilibriumCurve as EquilibriumCurve,
-)
+from .equilibrium import Equilibrium as Equilibrium, EquilibriumCurve as EquilibriumCurve
 from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .line import (
     GeometryLine as GeometryLine,
@@ -28,9 +25,7 @@ from .line import (
     ParameterLine as ParameterLine,
     load_line as load_line,
 )
-from .one_sided_branches import (
-    is_equilibrium as is_equilibrium,
-)
+from .one_sided_branches import is_equilibrium as is_equilibrium
 from .tracer import (
     CLOSED_CURVE as CLOSED_CURVE,
     SINGULAR as SINGULAR,

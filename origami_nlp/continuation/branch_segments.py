@@ -52,13 +52,12 @@ class SpecialPoint:
 class BranchSegment:
     """Equilibria between two nodes, in the order in which they were followed.
 
-    frames: at least two, ends included.  start, end: positions of the nodes.  signed: see `halves.OneSidedBranch`.
+    frames: at least two, ends included.  start, end: positions of the nodes.
     """
 
     frames: tuple[Equilibrium, ...]
     start: int
     end: int
-    signed: bool
 
     @property
     def low(self) -> float:
@@ -97,16 +96,9 @@ class BranchSegment:
         guess = a.x + share * (b.x - a.x)
         found = curve.at(guess, s, middle.tangent)
         # just outside it is beside the end: at a fold at the square root of how far outside
-        step = float(np.linalg.norm(curve.root * (b.x - a.x)))
-        far = NEAR_SINGULAR_TOL if a is b else max(step, SETTLED)
-
-        def on_arc(frame: Equilibrium | None) -> bool:
-            """Whether Newton did not go over to another branch, as it may beside states where branches cross."""
-            return (
-                frame is not None and float(np.linalg.norm(curve.root * (frame.x - guess))) <= far
-            )
-
-        if not on_arc(found) and a is not b:
+        far = NEAR_SINGULAR_TOL if a is b else max(curve.apart(b.x, a.x), SETTLED)
+        # Newton may go over to another branch beside states where branches cross
+        if a is not b and (found is None or curve.apart(found.x, guess) > far):
             # where Newton at s fails, bisection along the curve finds the state
             found = curve.between(a, b, s)
-        return found if on_arc(found) else None
+        return found if found is not None and curve.apart(found.x, guess) <= far else None

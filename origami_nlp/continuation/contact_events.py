@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.events import (
-    LocatedEvent,
-    found_at,
-    is_zero,
-    pole,
-    root_between,
-    step_length,
-)
+from origami_nlp.continuation.equilibrium import Equilibrium
+from origami_nlp.continuation.events import CurveStep, LocatedEvent, found_at, pole
 from origami_nlp.continuation.one_sided_branches import (
     PULLS,
     is_equilibrium,
     margin,
-    opening_rates,
     pushes,
     touches,
 )
@@ -49,106 +41,93 @@ MOST_TRIED = 8
 """Contacts that are looked for by Newton, the nearest ones."""
 MOST_NAMED = 8
 """Pairs of facets that are named where they meet at borders."""
-Forces = Callable[[Equilibrium], np.ndarray]
 
 
-def first_contact_event(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
+def first_contact_event(step: CurveStep) -> LocatedEvent:
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
-    leaving = _first_leaving(curve, a, b)
-    beyond = b if leaving is None else leaving.frame
-    slides = _first_sliding(curve, a, beyond)
+    leaving = _first_leaving(step)
+    before = step if leaving is None else step._replace(b=leaving.frame)
+    slides = _first_sliding(before)
     if slides is not None and not slides.frame.seen.refused:
         return slides
-    if not beyond.seen.refused and touches(beyond):
-        none = "no event was found in a step"
-        return leaving or LocatedEvent("refused", a, None, np.nan, False, none)
-    return _closing(curve, a, beyond)
+    if not before.b.seen.refused and touches(before.b):
+        return leaving or LocatedEvent("refused", step.a, why="no event was found in a step")
+    return _closing(before)
 
 
-def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent | None:
+def _first_leaving(step: CurveStep) -> LocatedEvent | None:
     found: list[LocatedEvent] = []
-    for k in np.flatnonzero(b.forces < PULLS * b.system.size):
-        frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
-        if frame is None:
-            continue
+    for k in np.flatnonzero(step.b.forces < PULLS * step.b.system.size).tolist():
 
-        def force(f: Equilibrium, k: int = int(k)) -> float:
+        def force(f: Equilibrium, k: int = k) -> float:
             return float(f.forces[k])
 
         # a sign may also change through infinity, where held contacts become dependent
-        if is_zero(force, frame, a, b):
+        if (frame := step.zero(force)) is not None:
             share = force(frame) / frame.system.size
-            event = found_at("leaves", frame, share, a.hold[k])
-        else:
-            event = pole(curve, a, b, force)
-        found.append(event)
-    return _named(curve, a, found) if found else None
+            found.append(found_at("leaves", frame, share, step.a.hold[k]))
+        elif step.root(force) is not None:
+            found.append(pole(step, force))
+    return _named(step, found) if found else None
 
 
-def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent | None:
+def _first_sliding(step: CurveStep) -> LocatedEvent | None:
     """Return where features held first come to a border between a, where they are inside each other, and b.
 
     Where nothing else happens between `INSIDE` and the border itself it is the border, and the event is located: there
     facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
-    found: list[LocatedEvent] = []
+    (curve, a, b), found = step, list[LocatedEvent]()
     for contact in (c for c in b.hold if margin(b, c) <= 0.0):
 
-        def reported(f: Equilibrium, contact: Contact = contact) -> float:
-            return f.problem.margin(contact, f.state) - INSIDE
+        def border(f: Equilibrium, least: float = 0.0, contact: Contact = contact) -> float:
+            return f.problem.margin(contact, f.state) - least
 
-        near = a if reported(a) <= 0.0 else root_between(curve, a, b, reported)
-        if near is None or abs(reported(near)) > STATIONARY:
+        near = a if border(a, INSIDE) <= 0.0 else step.root(lambda f: border(f, INSIDE))
+        if near is None or abs(border(near, INSIDE)) > STATIONARY:
             continue
-
-        def border(f: Equilibrium, contact: Contact = contact) -> float:
-            return f.problem.margin(contact, f.state)
-
         why = "to a border: beyond, no single gap keeps the facets apart"
-        event = LocatedEvent("slides", near, contact, reported(near), False, why)
-        for beyond in (b, curve.beside(a, 2 * step_length(a, b, curve.root))):
+        event = LocatedEvent("slides", near, contact, border(near, INSIDE), why=why)
+        for beyond in (b, curve.beside(a, 2 * step.length)):
             if beyond is not None and border(beyond) < 0.0:
-                there = root_between(curve, near, beyond, border)
+                there = CurveStep(curve, near, beyond).root(border)
                 if there is not None and pushes(there) and abs(border(there)) <= STATIONARY:
                     event = found_at("slides", there, border(there), contact)
                 break
         found.append(event)
-    return min(found, key=lambda e: step_length(a, e.frame, curve.root), default=None)
+    return min(found, key=lambda e: step.to(e.frame), default=None)
 
 
-def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
-    """Return where, between a and b, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
+def other_piece_leaves(step: CurveStep) -> LocatedEvent:
+    """Return where, in a step, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
     found: list[LocatedEvent] = []
-    for piece in b.seen.pieces:
+    for piece in step.b.seen.pieces:
+        pulls = step.b.seen.on(piece).forces < PULLS * step.b.system.size
+        for k in np.flatnonzero(pulls).tolist():
 
-        def forces(f: Equilibrium, piece: tuple[Contact, ...] = piece) -> np.ndarray:
-            return f.seen.on(piece).forces
+            def force(f: Equilibrium, k: int = k, piece: tuple[Contact, ...] = piece) -> float:
+                return float(f.seen.on(piece).forces[k]) / f.system.size
 
-        for k in np.flatnonzero(forces(b) < PULLS * b.system.size):
-
-            def force(f: Equilibrium, k: int = int(k), forces: Forces = forces) -> float:
-                return float(forces(f)[k]) / f.system.size
-
-            frame = root_between(curve, a, b, force)
-            if frame is not None and is_zero(force, frame, a, b):
+            if (frame := step.zero(force)) is not None:
                 found.append(found_at("leaves", frame, force(frame), piece[k]))
     if not found:
         why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
-        return LocatedEvent("singular", a, None, np.nan, False, why)
-    return _named(curve, a, found)
+        return LocatedEvent("singular", step.a, why=why)
+    return _named(step, found)
 
 
-def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent]) -> LocatedEvent:
+def _named(step: CurveStep, found: Sequence[LocatedEvent]) -> LocatedEvent:
     """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
-    steps = [step_length(a, e.frame, curve.root) for e in found]
-    together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
-    held = [e for e in together if e.contact in curve.hold]
+    first = min(step.to(e.frame) for e in found)
+    together = [e for e in found if step.to(e.frame) <= first + SETTLED]
+    held = [e for e in together if e.contact in step.curve.hold]
     return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
-def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
-    """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
-    low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
+def _closing(step: CurveStep) -> LocatedEvent:
+    """Locate the contact that closes in a step by bisection on the verdict, then by Newton on its opening."""
+    curve, a, b = step
+    low, high, good, bad = 0.0, step.length, a, b
     missed = np.inf  # where Newton fails for the length of the step, not for what it meets
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + min(high, missed))
@@ -167,43 +146,38 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Located
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, LocatedEvent]] = []
-    for contact in _candidates(curve, good, bad, back):
+    for contact in _candidates(CurveStep(curve, good, bad), back):
         if _is_shut(a, contact):  # another gap of what is held
             continue
         frame = curve.where_closed(good, contact, a.tangent)
         # beside singular states Newton may fail before a limit that is passed all the same
-        reach = step_length(a, b, curve.root) if contact in passed else NEAR_SINGULAR_TOL
-        if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > reach:
+        reach = step.length if contact in passed else NEAR_SINGULAR_TOL
+        if frame is None or curve.apart(frame.x, good.x) > reach or margin(frame, contact) <= 0.0:
             continue
-        if margin(frame, contact) <= 0.0:
-            continue
-        h = step_length(a, frame, curve.root)
+        h = step.to(frame)
         # a state is refused where another contact was passed before this one closed: it is not the first
         if not frame.seen.refused:
-            met.append((h, _rate(curve, frame, contact), frame, contact))
+            rates = curve.opening_rates(frame.problem, frame.x, (contact,))[1]
+            met.append((h, abs(float(rates[0] @ frame.tangent)), frame, contact))
         elif not frame.problem.crossed(frame.state) and not frame.problem.beyond(frame.state):
-            left = frame.problem.local(frame.state).openings((contact,))[0][0]
-            event = found_at("closes", frame, float(left), contact)
+            event = found_at("closes", frame, frame.opening(contact), contact)
             last.append((h, replace(event, why=frame.seen.refused)))
     if not met:
         return min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
     first = min(h for h, *_ in met)
     # of contacts that close together, the one that does so to first order knows best where; of several the first
     together = sorted((m for m in met if m[0] <= first + ENDPOINT_TOL), key=lambda m: m[3])
-    _, _, frame, contact = together[
-        int(first_largest(np.array([rate for _, rate, *_ in together])))
-    ]
-    opening = frame.problem.local(frame.state).openings((contact,))[0][0]
-    return found_at("closes", frame, float(opening), contact)
+    fastest = int(first_largest(np.array([rate for _, rate, *_ in together])))
+    frame, contact = together[fastest][2:]
+    return found_at("closes", frame, frame.opening(contact), contact)
 
 
 def _is_shut(at: Equilibrium, contact: Contact) -> bool:
     """Return whether a contact is closed at an equilibrium."""
     try:
-        opening = at.problem.local(at.state).openings((contact,))[0][0]
+        return at.opening(contact) <= CLOSURE_TOL
     except ArithmeticError:  # where sides run along each other there is no gap between them
         return False
-    return bool(opening <= CLOSURE_TOL)
 
 
 def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
@@ -212,27 +186,18 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
     if crossed:
         names = "; ".join(f"facets {i + 1} and {j + 1} touch" for i, j in crossed[:MOST_NAMED])
         where = "at borders or face to face, where no single gap keeps them apart"
-        return LocatedEvent(
-            "touches", good, None, np.nan, False, f"{names}: {where}: bracketed, not located"
-        )
+        return LocatedEvent("touches", good, why=f"{names}: {where}: bracketed, not located")
     at_limit = [v + 1 for v in np.flatnonzero(p.fold_limits.room(good.state) < NEARLY).tolist()]
     why = bad.seen.refused or "closure"
     if p.beyond(bad.state) and len(at_limit) > 1:
         named = ", ".join(map(str, at_limit[:MOST_NAMED])) + ", ..." * (len(at_limit) > MOST_NAMED)
         why = f"creases {named} at their fold limits: closure loses rank where so many creases close at once"
-    return LocatedEvent("refused", good, None, np.nan, False, why)
+    return LocatedEvent("refused", good, why=why)
 
 
-def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:
-    """Return how fast a contact closes along the curve."""
-    slopes, moved = opening_rates(curve, frame.x, (contact,))
-    return abs(float(slopes[0] @ frame.tangent[:-1] + moved[0] * frame.ahead))
-
-
-def _candidates(
-    curve: EquilibriumCurve, good: Equilibrium, bad: Equilibrium, back: Equilibrium
-) -> list[Contact]:
+def _candidates(step: CurveStep, back: Equilibrium) -> list[Contact]:
     """Return the contacts that may have closed: nearly closed before, seen from a little further back, or passed."""
+    curve, good, bad = step
     p = good.problem
     rows = list(p.about_to_close(good.state, NEARLY))
     near = State(p, good.state, NEAR_SINGULAR_TOL).contacts
@@ -242,9 +207,8 @@ def _candidates(
     rows = [c for c in dict.fromkeys(rows) if c not in good.hold]
     if len(rows) <= MOST_TRIED:
         return rows
-    opening = p.local(good.state).openings(rows)[0]
-    slopes, moved = opening_rates(curve, good.x, tuple(rows))
+    opening, rates = curve.opening_rates(p, good.x, tuple(rows))
     # openings over rates: how far along the tangent each contact is, to first order
-    rate = -(slopes @ good.tangent[:-1] + moved * good.ahead)
+    rate = -rates @ good.tangent
     away = np.where(rate > 0, opening / np.maximum(rate, NONZERO), np.inf)
     return [rows[k] for k in np.argsort(away.round(9), kind="stable")[:MOST_TRIED]]

@@ -14,9 +14,10 @@ set that leaves the state in its softest direction; y'' is normal to that set an
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -26,9 +27,7 @@ from origami_nlp.kkt import State, Stratum, find_multipliers, project
 from origami_nlp.numerics import BALANCED, FOLLOWED, NEAR_CONTACT, RANK
 from origami_nlp.problem import Contact, Problem
 
-STEPS = ContinuationOptions(
-    first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15, most=10**6
-)
+STEPS = ContinuationOptions(1e-3, 0.04, 1e-10, turn=0.05, sharpest=0.15, most=10**6)
 """Such that energy and slope are smooth between points."""
 REACH = 30.0
 """A curve is followed for this length [rad]: several times around the space of fold angles."""
@@ -173,10 +172,9 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
     if z.shape[1] == 0:
         return None
     if along is None:
-        tangent = z[:, 0]
-        if z.shape[1] > 1:
-            # the softest direction of the set that keeps the contacts
-            tangent = z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
+        # the softest direction of the set that keeps the contacts
+        one = z.shape[1] == 1
+        tangent = z[:, 0] if one else z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
     else:
         tangent = z @ (z.T @ along)
         size = float(np.linalg.norm(tangent))
@@ -199,10 +197,7 @@ def _second(held: Stratum, i: int, along: np.ndarray) -> float:
 
 
 def trace_held(
-    held: Stratum,
-    steps: ContinuationOptions,
-    ends: Sequence[End[Point]] = (),
-    dimension: int | None = None,
+    held: Stratum, steps: ContinuationOptions, ends: Any = (), dimension: int | None = None
 ) -> Trace[Point] | None:
     """Trace the boundary through a state both ways; None where no motion keeps the contacts closed.
 
@@ -225,24 +220,18 @@ CLOSES_ANOTHER = "another contact closes"
 """Why a curve ends where a state is refused; the names of what closes follow."""
 
 
-def follow_boundary(
-    held: Stratum, *, stop_at_release: bool = True, longest: float = REACH
-) -> BoundaryCurve | None:
+def follow_boundary(held: Stratum, *, stop_at_release: bool = True) -> BoundaryCurve | None:
     """Follow the boundary through a state on which its contacts stay closed, both ways.
 
     A curve ends where another contact closes, where a held contact no longer pushes (unless
     `stop_at_release` is false), where it meets itself, where closure or contacts become singular, or after
-    `longest` [rad].  None where no motion keeps the contacts closed.
+    `REACH`.  None where no motion keeps the contacts closed.
     """
     problem = held.state.problem
-    ends = [
-        End[Point](lambda points: _run(not problem.refuses(p.x) for p in points), CLOSES_ANOTHER)
-    ]
+    ends = [_while(lambda p: not problem.refuses(p.x), CLOSES_ANOTHER)]
     if stop_at_release and (first := evaluate(held)) is not None and first.pressed:
-        ends.append(
-            End(lambda points: _run(p.pressed for p in points), "the contact stops pushing")
-        )
-    found = trace_held(held, replace(STEPS, far=longest), ends)
+        ends.append(_while(lambda p: p.pressed, "the contact stops pushing"))
+    found = trace_held(held, replace(STEPS, far=REACH), ends)
     if found is None:
         return None
     why = []
@@ -251,20 +240,16 @@ def follow_boundary(
             names = "; ".join(problem.name(contact) for contact in closing(point.stratum))
             end += f" ({names or 'facets meet'})"
         why.append(end)
-    return boundary_of(held.contacts, found.frames, found.s, found.signs, (why[0], why[1]))
+    return boundary_of(held.contacts, found.frames, found.s, found.signs, why)
 
 
-def _run(good: Iterable[bool]) -> int:
-    """How many are true from the first on."""
-    return sum(1 for _ in itertools.takewhile(bool, good))
+def _while(good: Callable[[Point], bool], why: str) -> End[Point]:
+    """Return the end of a curve after the last point that is good."""
+    return End(lambda points: sum(1 for _ in itertools.takewhile(good, points)), why)
 
 
 def boundary_of(
-    contacts: tuple[Contact, ...],
-    points: Sequence[Point],
-    s: np.ndarray,
-    signs: np.ndarray | float,
-    ends: tuple[str, str],
+    contacts: tuple[Contact, ...], points: Sequence[Point], s: np.ndarray, signs: Any, ends: Any
 ) -> BoundaryCurve:
     """Evaluate a boundary at points with arclength s [m]; signs: of their tangents against s, [m] or one."""
     problem = points[0].stratum.state.problem

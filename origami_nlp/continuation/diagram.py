@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,9 @@ from origami_nlp.continuation.branch_segments import (
 from origami_nlp.continuation.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
+    Crossed,
+    CurveStep,
+    Functions,
     LocatedEvent,
     change_of_verdict,
     flat_crossed,
@@ -40,9 +44,7 @@ from origami_nlp.continuation.one_sided_branches import (
     balances,
     find_one_sided_branches,
     is_equilibrium,
-    judged,
     one_sided_branches_at,
-    turned,
 )
 from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import (
@@ -57,7 +59,8 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, RANK, ROUNDED, SETTLED
 STEPS = ContinuationOptions(first=1e-2, longest=0.15)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 
-Functions = Callable[[Equilibrium], float]
+Halves = list[tuple[int, int]]
+"""Half-branches, as positions of node and half."""
 
 
 class BifurcationDiagram:
@@ -101,7 +104,7 @@ class BifurcationDiagram:
         high: float,
         *,
         steps: ContinuationOptions = STEPS,
-        functions: Sequence[tuple[str, Functions]] = (),
+        functions: Functions = (),
         stops: Sequence[str] = (),
         lazy: bool = False,
         until: float = math.inf,
@@ -160,25 +163,22 @@ class BifurcationDiagram:
         self.nodes.append(node)
         # at an end of the range only the half-branches that lead inside are followed
         ends = {1.0: self.high, -1.0: self.low}
-        inside = [
-            k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
-        ]
-        if len(inside) < len(node.halves):
+        used = [s == ends.get(float(np.sign(h.frame.ahead))) for h in node.halves]
+        node.used += np.flatnonzero(used).tolist()
+        inside = [k for k, other in enumerate(used) if not other]
+        if node.used:
             node.type = RANGE
-        node.used += [k for k in range(len(node.halves)) if k not in inside]
         if not inside:
-            node.type, node.why = (
-                "singular",
-                "no equilibrium goes on from there: a state of this value alone",
-            )
+            why = "no equilibrium goes on from there: a state of this value alone"
+            node.type, node.why = "singular", why
         node.left = [k for k in inside if not follow or node.halves[k].frame.ahead * toward < 0]
         self._follow_all([(len(self.nodes) - 1, k) for k in inside if k not in node.left])
         return bool(inside)
 
-    def _follow_all(self, todo: list[tuple[int, int]]) -> None:
-        """Follow half-branches, as positions of node and half, and all that comes of them."""
-        before = len(self.arcs)
-        while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
+    def _follow_all(self, todo: Halves) -> None:
+        """Follow half-branches, and all that comes of them."""
+        most = len(self.arcs) + self.steps.arcs
+        while todo and len(self.arcs) < most and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
                 self.nodes[number].used.append(k)
@@ -194,9 +194,8 @@ class BifurcationDiagram:
     def resume(self, number: int, toward: float) -> bool:
         """Follow what was left at a node and leads to larger (1) or smaller s (-1); False where nothing does."""
         node = self.nodes[number]
-        onward = [
-            k for k in node.left if node.halves[k].frame.ahead * toward > 0 and k not in node.used
-        ]
+        left = [k for k in node.left if k not in node.used]
+        onward = [k for k in left if node.halves[k].frame.ahead * toward > 0]
         node.left = [k for k in node.left if k not in onward]
         self._follow_all([(number, k) for k in onward])
         return bool(onward)
@@ -211,19 +210,20 @@ class BifurcationDiagram:
                 if min(known, default=1.0) > SETTLED:
                     self.add(frame.state, frame.s, "minimum")
 
-    def _follow(self, start: int, half: OneSidedBranch) -> list[tuple[int, int]]:
-        """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
+    def _follow(self, start: int, half: OneSidedBranch) -> Halves:
+        """Follow a half-branch; return those that begin where it ends."""
         curve = EquilibriumCurve(self.line, half.frame.hold, corrector=self.steps.corrector)
         frames, stop = self._trace(curve, half)
         self.steps_made += len(frames)
         begun, here = [half.frame], start
-        todo: list[tuple[int, int]] = []
+        todo: Halves = []
         for frame in frames:
             at_flat = frame is stop.frame and stop.why == AT_FLAT  # nothing is said of its index
-            for event in [] if at_flat else self._between(curve, begun[-1], frame, here):
+            step = CurveStep(curve, begun[-1], frame)
+            for event in [] if at_flat else self._between(step, here):
                 number, known = self._node(event)
                 begun.append(event.frame)
-                self._arc(begun, here, number, half.signed)
+                self._arc(begun, here, number)
                 if known or event.type in ("singular", *self.stops):
                     self._arrive(number, event.frame)
                     return todo
@@ -236,11 +236,11 @@ class BifurcationDiagram:
         if len(begun) < 2:
             return todo
         if stop.type == START:  # once around
-            self._arc(begun, here, start, half.signed)
+            self._arc(begun, here, start)
             self._arrive(start, begun[-1])
             return todo
         number, _ = self._node(stop)
-        self._arc(begun, here, number, half.signed)
+        self._arc(begun, here, number)
         if stop.type == AGAIN:
             node = self.nodes[number]
             node.halves.append(replace(half, frame=stop.frame))
@@ -248,37 +248,34 @@ class BifurcationDiagram:
             return todo
         return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
 
-    def _between(
-        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
-    ) -> list[LocatedEvent]:
+    def _between(self, step: CurveStep, here: int) -> list[LocatedEvent]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
-        # order of events: by the length along the tangent at a, the same for all of them
-        root, found = self.root, []
-        length = float(a.tangent @ (root * (b.x - a.x)))
+        curve, a, _ = step
+        found = list[LocatedEvent]()
         for node in self.nodes:
-            h = float(a.tangent @ (root * (node.point - a.x)))
+            h = curve.along(a, node.point)
             reach = 2 * h + SETTLED  # more than `beside` moves
-            if node.type == START and 0 < h < length and _near(root, node.point, a.x, reach):
+            inside = node.type == START and 0 < h < step.length
+            if inside and _near(self.root, node.point, a.x, reach):
                 frame = curve.beside(a, h)
                 if frame is not None and _near(self.root, frame.x, node.point):
-                    found.append(LocatedEvent(START, replace(frame, x=node.point), None, 0.0, True))
-        found += folds_and_branchings(curve, a, b, self.functions)
+                    found.append(LocatedEvent(START, replace(frame, x=node.point), located=True))
+        found += folds_and_branchings(step, self.functions)
         node = self.nodes[here]
         near = NEAR_SINGULAR_TOL if node.type == "branching" else SETTLED
         found = [e for e in found if not _near(self.root, e.frame.x, node.point, near)]
-        return sorted(found, key=lambda e: float(a.tangent @ (self.root * (e.frame.x - a.x))))
+        # by the length along the tangent at a, the same for all of them
+        return sorted(found, key=lambda e: step.to(e.frame))
 
     def _arrive(self, number: int, frame: Equilibrium) -> None:
         """Note that a node was reached: what leads back from there is known."""
         node = self.nodes[number]
         node.used += _likest(node.halves, -frame.tangent)
 
-    def _trace(
-        self, curve: EquilibriumCurve, half: OneSidedBranch
-    ) -> tuple[list[Equilibrium], LocatedEvent]:
+    def _trace(self, curve: EquilibriumCurve, half: OneSidedBranch) -> Crossed:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
         stop, between = list[LocatedEvent](), list[Equilibrium]()
-        verdict = "" if half.signed else judged(half.frame)
+        verdict = "" if half.signed else half.frame.judged.verdict
         unstable = [bool(half.frame.index)]
 
         def end(
@@ -304,7 +301,7 @@ class BifurcationDiagram:
         def lost(_: Equilibrium, f: Equilibrium) -> bool:
             good = self.low <= f.s <= self.high and is_equilibrium(f)
             good = good and (not half.split or balances(f))
-            return not good or bool(verdict and judged(f) != verdict)
+            return not good or bool(verdict and f.judged.verdict != verdict)
 
         def at_flat(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
             root = passes(lambda: self.flat, a, b)
@@ -312,10 +309,8 @@ class BifurcationDiagram:
             between[:], event = flat_crossed(curve, root, a)
             return event
 
-        def at_pole(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
-            found = multipliers_pass_infinity(curve, a, b)
-            assert found is not None
-            return found
+        def pole(a: Equilibrium, b: Equilibrium) -> Any:
+            return multipliers_pass_infinity(CurveStep(curve, a, b))
 
         def stable_again(_: Equilibrium, f: Equilibrium) -> bool:
             unstable[0] |= bool(f.index)
@@ -325,46 +320,45 @@ class BifurcationDiagram:
         steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
         ends = [
             end(lambda a, b: passes(lambda: self.flat, a, b), at_flat),
-            end(lost, lambda a, b: self._first(curve, a, b, verdict, half.split)),
-            end(lambda a, b: multipliers_pass_infinity(curve, a, b), at_pole),
+            end(lost, lambda a, b: self._first(CurveStep(curve, a, b), verdict, half.split)),
+            end(pole, pole),
         ]
         if self.lazy:
-            ends.append(end(stable_again, lambda a, b: LocatedEvent(AGAIN, b, None, 0.0, True)))
+            ends.append(end(stable_again, lambda a, b: LocatedEvent(AGAIN, b, located=True)))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
         if stop:
             frames[-1:-1] = between
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
         if why == CLOSED_CURVE:
-            return frames, LocatedEvent(START, last, None, 0.0, True)
+            return frames, LocatedEvent(START, last, located=True)
         if why == LATE:
             self.interrupted = True
-            return frames, LocatedEvent(LATE, last, None, 0.0, True)
-        return frames, LocatedEvent("singular", last, None, np.nan, False, why)
+            return frames, LocatedEvent(LATE, last, located=True)
+        return frames, LocatedEvent("singular", last, why=why)
 
-    def _first(
-        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
-    ) -> LocatedEvent:
+    def _first(self, step: CurveStep, verdict: str, split: bool) -> LocatedEvent:
         """Return the first event between a, which is followed, and b, which is not."""
+        curve, a, b = step
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
             # a guess; where Newton at s fails, bisection along the curve finds the end
-            share = (end - a.s) / (b.s - a.s)
-            guess = a.x + share * (b.x - a.x)
+            guess = a.x + (end - a.s) / (b.s - a.s) * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
-                return LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
+                return LocatedEvent("singular", a, why="no state at the end")
             b = beyond
         if split and not b.seen.refused and not balances(b):
-            leaving = other_piece_leaves(curve, a, b)
+            leaving = other_piece_leaves(CurveStep(curve, a, b))
             if is_equilibrium(leaving.frame):
                 return leaving
             b = leaving.frame
+        step = CurveStep(curve, a, b)
         if not is_equilibrium(b):
-            return first_contact_event(curve, a, b)
-        if verdict and judged(b) != verdict:
-            return change_of_verdict(curve, a, b, verdict)
-        return LocatedEvent(RANGE, b, None, 0.0, True)
+            return first_contact_event(step)
+        if verdict and b.judged.verdict != verdict:
+            return change_of_verdict(step, verdict)
+        return LocatedEvent(RANGE, b, located=True)
 
     def _node(self, event: LocatedEvent) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
@@ -378,55 +372,41 @@ class BifurcationDiagram:
             # met before along another arc: the arcs are joined there
             if _near(self.root, node.point, point, NEAR_SINGULAR_TOL if crude else SETTLED):
                 return k, True
-        node = SpecialPoint(
-            event.type,
-            point,
-            event.contact,
-            event.value,
-            event.frame.system.residual if event.residual is None else event.residual,
-            event.located,
-            event.why,
-            between=event.between,
-        )
-        self.nodes.append(node)
+        left = event.frame.system.residual if event.residual is None else event.residual
+        how = left, event.located, event.why, event.between
+        self.nodes.append(SpecialPoint(event.type, point, event.contact, event.value, *how))
         return len(self.nodes) - 1, False
 
-    def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
+    def _arc(self, frames: list[Equilibrium], start: int, end: int) -> None:
         first, point = frames[0], self.nodes[start].point
         if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
             system = BorderedSystem(self.line, point, first.hold)
             frames = [Equilibrium(point, first.tangent, system), *frames]
-        self.arcs.append(BranchSegment(tuple(frames), start, end, signed))
+        self.arcs.append(BranchSegment(tuple(frames), start, end))
 
-    def _go_on(
-        self, number: int, half: OneSidedBranch, stop: LocatedEvent
-    ) -> list[tuple[int, int]]:
+    def _go_on(self, number: int, half: OneSidedBranch, stop: LocatedEvent) -> Halves:
         """Find how equilibria go on from the node at which a half-branch ends."""
         node = self.nodes[number]
         if stop.beyond is not None:
-            return self._go_on_beyond(node, number, half, stop.beyond)
+            return self._go_on_beyond(number, half, stop.beyond)
         if stop.type not in ("closes", "leaves"):
             return []
         if not node.halves:
             node.halves = find_one_sided_branches(self.line, node.point)
-        back = turned(half)
-        came = _likest(node.halves, back.frame.tangent)
+        along = half.frame.tangent
+        came = _likest(node.halves, -along)
         node.used += came
         onward = [k for k in range(len(node.halves)) if k not in came]
         ahead = [node.halves[k].frame.ahead for k in onward]
-        same = [
-            k
-            for k in onward
-            if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
-        ]
+        same = [np.allclose(node.halves[k].frame.tangent, along, atol=RANK) for k in onward]
         # the same tangent with other contacts held: of a dependent set another one takes over, and the states do not
         # turn
-        if len(onward) == 1 and same and stop.type == "leaves":
-            node.type = "corner"  # another contact of a dependent set takes over
+        if same == [True] and stop.type == "leaves":
+            node.type = "corner"
         elif not onward:
             node.why = node.why or "no equilibrium goes on from there"
         # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
-        elif all(v * back.frame.ahead > 0 for v in ahead):
+        elif all(v * half.frame.ahead < 0 for v in ahead):
             node.type = "nonsmooth-fold"
         onward = [k for k in onward if k not in node.used]
         if self.lazy and half.frame.index:
@@ -434,16 +414,13 @@ class BifurcationDiagram:
             node.left += [k for k in onward if not node.halves[k].frame.index]
         return [(number, k) for k in onward if k not in node.left]
 
-    def _go_on_beyond(
-        self, node: SpecialPoint, number: int, half: OneSidedBranch, beyond: Equilibrium
-    ) -> list[tuple[int, int]]:
+    def _go_on_beyond(self, number: int, half: OneSidedBranch, beyond: Equilibrium) -> Halves:
         """Go on from a point on the other side of a singular state, with the contacts that carry there."""
-        found = find_one_sided_branches(self.line, beyond.x)
+        node, found = self.nodes[number], find_one_sided_branches(self.line, beyond.x)
         onward = [h for h in found if h.is_like(half.frame)]
-        known = any(
-            np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)
-        )
-        node.halves += [] if known else onward
+        there = [f.state for _, f in self.states_at(beyond.s)]
+        if not any(np.abs(x - beyond.state).max() <= SETTLED for x in there):
+            node.halves += onward
         if not onward:
             node.why += "; no equilibrium was found beyond"
         return [(number, k) for k in range(len(node.halves)) if k not in node.used]

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.continuation.line import Line
+from origami_nlp.continuation.line import Line, Rates
 from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
@@ -91,11 +92,21 @@ class Equilibrium:
         return int((self.eigenvalues < 0).sum())
 
     @property
+    def fold_angles(self) -> tuple[float, ...]:
+        """All N [rad]."""
+        return tuple((self.problem.expand(self.state) + 0.0).tolist())
+
+    def opening(self, contact: Contact) -> float:
+        """Return the opening of a contact, held or not."""
+        return float(self.problem.local(self.state).openings((contact,))[0][0])
+
+    @property
     def ahead(self) -> float:
         """ds along the tangent, w times."""
         return float(self.tangent[-1])
 
 
+Solved = tuple[np.ndarray, BorderedSystem]
 Row = Callable[[np.ndarray, BorderedSystem], tuple[np.ndarray, float]]
 """One more equation at (x, s): its row over (dy, w ds), and what that shall be."""
 BISECTIONS = 45
@@ -121,24 +132,25 @@ class EquilibriumCurve:
         """Metric of (x, s), [n + 1]."""
         return np.append(self.line.problem.root, self.line.weight)
 
-    def system(
-        self,
-        point: np.ndarray,
-        multipliers: np.ndarray | None = None,
-        span: np.ndarray | None = None,
-    ) -> BorderedSystem:
-        """Evaluate the KKT system at (x, s)."""
-        return BorderedSystem(self.line, point, self.hold, multipliers, span)
+    def along(self, a: Equilibrium, x: np.ndarray) -> float:
+        """Return the length of the step from a to (x, s) along the tangent at a."""
+        return float(a.tangent @ (self.root * (x - a.x)))
 
-    def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
+    def apart(self, x: np.ndarray, other: np.ndarray) -> float:
+        """Return the distance of two points (x, s)."""
+        return float(np.linalg.norm(self.root * (x - other)))
+
+    def system(self, point: np.ndarray, *given: np.ndarray | None) -> BorderedSystem:
+        """Evaluate the KKT system at (x, s); given: multipliers and span, see `BorderedSystem`."""
+        return BorderedSystem(self.line, point, self.hold, *given)
+
+    def solve(self, point: np.ndarray, row: Row) -> Solved | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
         # rows that are independent at the last frame; all of them where closure gains rank since
         spans = [*(frame.system.range for frame in self.given), None]
         return next(filter(None, (self._newton(point, row, span) for span in spans)), None)
 
-    def _newton(
-        self, point: np.ndarray, row: Row, span: np.ndarray | None
-    ) -> tuple[np.ndarray, BorderedSystem] | None:
+    def _newton(self, point: np.ndarray, row: Row, span: np.ndarray | None) -> Solved | None:
         carried: np.ndarray | None = None
         for _ in range(self.corrector):
             system = self.system(point, carried, span)
@@ -184,7 +196,7 @@ class EquilibriumCurve:
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:
         """Return the point (x, s) with its tangent on the side of `along` [n + 1]; None where it has none."""
         known = [system for point, system in self.known if point is x]
-        frame = self.frame_of(x, known[0] if known else self.system(x), along)
+        frame = self.frame_of((x, known[0] if known else self.system(x)), along)
         if frame is not None:
             frame = replace(frame, turn=self._turn(frame))
             self.given[:] = [frame]
@@ -193,93 +205,70 @@ class EquilibriumCurve:
     def _turn(self, frame: Equilibrium) -> np.ndarray | None:
         """Return the change of the tangent since the last frame; None where that is far, or the same point."""
         for last in self.given:
-            chord = float(np.linalg.norm(self.root * (frame.x - last.x)))
+            chord = self.apart(frame.x, last.x)
             change = frame.tangent - last.tangent
             if STATIONARY < chord <= LONGEST and np.linalg.norm(change) <= LONGEST:
                 # arclength counts along this tangent: backwards where the last frame lies ahead
-                forward = (self.root * (frame.x - last.x)) @ frame.tangent
-                return change / np.copysign(chord, forward)
+                return change / np.copysign(chord, -self.along(frame, last.x))
         return None
 
-    def frame_of(
-        self, x: np.ndarray, system: BorderedSystem, along: np.ndarray
-    ) -> Equilibrium | None:
+    def frame_of(self, solved: Solved | None, along: np.ndarray) -> Equilibrium | None:
         """Return the frame of a point whose system is known."""
-        found = system.direction(along)
-        return None if found is None else Equilibrium(x, found[0], system)
+        if solved is None or (found := solved[1].direction(along)) is None:
+            return None
+        return Equilibrium(solved[0], found[0], solved[1])
 
-    def beside(
-        self, frame: Equilibrium, h: float, near: Equilibrium | None = None
-    ) -> Equilibrium | None:
-        """Return the point of the curve whose step from `frame` has length h along its tangent, by Newton.
+    def beside(self, a: Equilibrium, h: float, near: Any = None) -> Equilibrium | None:
+        """Return the point of the curve whose step from a has length h along its tangent, by Newton.
 
         near: a point known near by.
         """
         if h == 0.0:
-            return frame
-
-        def plane(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
-            # pseudo-arclength (Keller): t . (y - y0) = h, a plane across the tangent
-            return frame.tangent, h - float(frame.tangent @ (self.root * (point - frame.x)))
-
-        near = near or frame
-        left = h - float(frame.tangent @ (self.root * (near.x - frame.x)))
-        ahead = near.x + left / float(frame.tangent @ near.tangent) * near.tangent / self.root
-        found = self.solve(ahead, plane)
-        if (
-            found is None
-            or np.linalg.norm(self.root * (found[0] - ahead)) > ASIDE * abs(h) + DUPLICATE_TOL
-        ):
+            return a
+        near = near or a
+        left = h - self.along(a, near.x)
+        ahead = near.x + left / float(a.tangent @ near.tangent) * near.tangent / self.root
+        # pseudo-arclength (Keller): t . (y - y0) = h, a plane across the tangent
+        found = self.solve(ahead, lambda point, _: (a.tangent, h - self.along(a, point)))
+        if found is None or self.apart(found[0], ahead) > ASIDE * abs(h) + DUPLICATE_TOL:
             return None
-        return self.frame_of(*found, frame.tangent)
+        return self.frame_of(found, a.tangent)
 
     def at(self, point: np.ndarray, s: float, along: np.ndarray) -> Equilibrium | None:
         """Return the point of the curve at the parameter s, by Newton from (x, s') nearby."""
-
-        def fixed(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
-            # natural parameter: Newton at fixed s, which fails next to limit points
-            row = np.zeros(len(self.root))
-            row[-1] = 1.0
-            return row, (s - point[-1]) * self.line.weight
-
-        found = self.solve(np.append(point[:-1], s), fixed)
-        if found is None:
-            return None
-        at = found[0].copy()
-        at[-1] = s
-        return self.frame_of(at, found[1], along)
+        # natural parameter: Newton at fixed s, which fails next to limit points
+        row, weight = np.append(np.zeros(len(point) - 1), 1.0), self.line.weight
+        found = self.solve(np.append(point[:-1], s), lambda at, _: (row, (s - at[-1]) * weight))
+        return found and self.frame_of((np.append(found[0][:-1], s), found[1]), along)
 
     def between(self, a: Equilibrium, b: Equilibrium, s: float) -> Equilibrium | None:
         """Return the point at the parameter s between two frames, found along the length from a.
 
         Next to a fold Newton at s (`at`) may fail, or take the point on the other side of it.
         """
-        low, high = 0.0, float(a.tangent @ (self.root * (b.x - a.x)))
-        frame = a
+        low, high, frame = 0.0, self.along(a, b.x), a
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            found = self.beside(a, middle)
-            if found is None:
+            if (found := self.beside(a, middle)) is None:
                 return None
             frame = found
             # bisection in the length from a: on this side of a fold s is a monotonic function of it
             low, high = (middle, high) if (frame.s < s) == (a.s < s) else (low, middle)
-        at = frame.x.copy()
-        at[-1] = s
-        return replace(frame, x=at)
+        return replace(frame, x=np.append(frame.state, s))
 
-    def where_closed(
-        self, frame: Equilibrium, contact: Contact, along: np.ndarray
-    ) -> Equilibrium | None:
-        """Return the point near `frame` where another contact closes."""
+    def opening_rates(self, p: Problem, point: np.ndarray, contacts: Any) -> Rates:
+        """Return openings at (x, s), and how they change with the state, in the metric, and with w s: [r, n + 1]."""
+        none, s = np.zeros(p.equation_count + len(contacts)), float(point[-1])
+        values, slopes = p.local(point[:-1]).openings(contacts)
+        moved = self.line.drift(p, s, point[:-1], none, contacts)[1][p.equation_count :]
+        return values, np.column_stack([slopes / p.root, moved / self.line.weight])
+
+    def where_closed(self, near: Equilibrium, c: Contact, along: np.ndarray) -> Equilibrium | None:
+        """Return the point near another where one more contact closes."""
 
         def at_limit(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
-            p = system.problem
-            value, slope = p.local(point[:-1]).openings((contact,))
-            none = np.zeros(p.equation_count + 1)
-            moved = self.line.drift(p, float(point[-1]), point[:-1], none, (contact,))[1][-1]
             # opening(x, s) + slope . dx + d(opening)/ds ds = 0, as the row that fixes the point on the curve
-            return np.append(slope[0] / p.root, moved / self.line.weight), -float(value[0])
+            values, rows = self.opening_rates(system.problem, point, (c,))
+            return rows[0], -float(values[0])
 
-        found = self.solve(frame.x, at_limit)
-        return None if found is None else self.frame_of(*found, along)
+        return self.frame_of(self.solve(near.x, at_limit), along)

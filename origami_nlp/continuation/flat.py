@@ -13,7 +13,6 @@ passes x0, in the direction d = Q^-1 g: where a minimum lies on either side of i
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -37,15 +36,25 @@ NEAR, ARRIVED, STRAIGHT = 1.0, 0.02, 0.9
 cosine of both with the direction at a root is so large."""
 
 
+FlatRoot = tuple[float, np.ndarray]
+"""Value of s at which a curve passes the flat state, and the direction in which it goes on, in the metric."""
+
+
 def flat_event(line: Line, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.problem.size)
     system = BorderedSystem(line, np.append(still, s))
     frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
-    return frame, _balance(system, [])
+    forms = _forms(system, [])
+    if forms is None or not forms[0].any():
+        return frame, np.nan
+    g, q, _ = forms
+    size = np.abs(np.linalg.eigvalsh(q))
+    # times the smallest |eigenvalue| of Q: between -1 and 1, whatever the units of g and Q are
+    return frame, float(g @ np.linalg.solve(q, g) / (g @ g) * size.min())
 
 
-def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndarray]]:
+def flat_roots(line: Line, low: float, high: float) -> list[FlatRoot]:
     """Find where curves of equilibria pass the flat state, whatever curves are known.
 
     Parameters
@@ -63,8 +72,14 @@ def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndar
     """
     flat, first = np.zeros(line.problem.size), list[np.ndarray]()
 
-    def tip(s: float) -> tuple[float, np.ndarray] | None:
-        return _tip(BorderedSystem(line, np.append(flat, s)), first)
+    def tip(s: float) -> FlatRoot | None:
+        """Return g' Q^-1 g and the unit direction of Q^-1 g in the metric; None where they say nothing."""
+        if (forms := _forms(BorderedSystem(line, np.append(flat, s)), first)) is None:
+            return None
+        g, q, z = forms
+        d = np.linalg.solve(q, g)
+        size = float(np.linalg.norm(d))
+        return (float(g @ d), z @ d / size) if size > 0.0 else None
 
     if tip(low) is None or not line.problem.lifts_to_one(flat):
         return []
@@ -85,17 +100,11 @@ def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndar
             break
     roots = chebyshev.chebroots(chebyshev.chebtrim(terms, CLOSURE_TOL * size))
     real = np.sort(roots.real[(np.abs(roots.imag) <= SETTLED) & (np.abs(roots.real) <= 1.0)])
-    out = []
-    for u in real:
-        found = tip(where + half * float(u))
-        if found is not None:
-            out.append((where + half * float(u), found[1]))
-    return out
+    at = (where + half * real).tolist()
+    return [(s, found[1]) for s in at if (found := tip(s)) is not None]
 
 
-def passes(
-    roots: Callable[[], list[tuple[float, np.ndarray]]], a: Equilibrium, b: Equilibrium
-) -> tuple[float, np.ndarray] | None:
+def passes(roots: Callable[[], list[FlatRoot]], a: Equilibrium, b: Equilibrium) -> FlatRoot | None:
     """Return the root at which a curve passes the flat state between a and b, or just after b; None where it does not.
 
     The direction is that in which it goes on.  roots: asked for only where both points are near.
@@ -114,30 +123,10 @@ def passes(
     return min(out, key=lambda root: abs(root[0] - b.s), default=None)
 
 
-def crossing(
-    curve: EquilibriumCurve, root: tuple[float, np.ndarray], a: Equilibrium
-) -> tuple[list[Equilibrium], Equilibrium, float, Equilibrium | None]:
-    """Return a point between a and the flat state that a curve `passes`, that state, its `flat_event`, one beyond it.
-
-    The point between shows what lies there: at the flat state itself the reduced Hessian says nothing.
-    """
-    s, direction = root
-    frame, value = flat_event(curve.line, s)
-    frame = replace(frame, tangent=a.tangent)
-    beyond, before = beside_flat(curve.line, s, direction)
-    length = float(np.linalg.norm(a.problem.root * a.state))
-    between: list[Equilibrium] = []
-    if before is not None and np.linalg.norm(before.problem.root * before.state) < 0.9 * length:
-        between = [replace(before, tangent=-before.tangent)]
-    else:
-        half = curve.beside(a, 0.5 * float(a.tangent @ (curve.root * (frame.x - a.x))))
-        between = [] if half is None else [half]
-    return between, frame, value, beyond
+Sides = tuple[Equilibrium | None, Equilibrium | None]
 
 
-def beside_flat(
-    line: Line, s: float, direction: np.ndarray
-) -> tuple[Equilibrium | None, Equilibrium | None]:
+def beside_flat(line: Line, s: float, direction: np.ndarray) -> Sides:
     """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
 
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
@@ -151,57 +140,30 @@ def beside_flat(
         along = np.append(sign * direction, 0.0)
         for h in BESIDE_FLAT:
 
-            def so_far(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
+            def so_far(point: np.ndarray, _: BorderedSystem) -> tuple[np.ndarray, float]:
                 return along, h - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
 
-            found = curve.solve(np.append(h * along[:-1] / root, s), so_far)
-            frame = None if found is None else curve.frame_of(*found, along)
+            frame = curve.frame_of(curve.solve(np.append(h * along[:-1] / root, s), so_far), along)
             if frame is not None and np.linalg.norm(root * frame.state) < 2 * h:
                 out[-1] = frame
                 break
     return out[0], out[1]
 
 
-def _balance(system: BorderedSystem, first: list[np.ndarray]) -> float:
-    """Return g' Q^-1 g over the sizes of g and Q^-1; nan where it does not decide.  first: w, for its sign."""
-    forms = _forms(system, first)
-    if forms is None or not forms[0].any():
-        return np.nan
-    g, q, _ = forms
-    size = np.abs(np.linalg.eigvalsh(q))
-    # times the smallest |eigenvalue| of Q: between -1 and 1, whatever the units of g and Q are
-    return float(g @ np.linalg.solve(q, g) / (g @ g) * size.min())
-
-
-def _tip(system: BorderedSystem, first: list[np.ndarray]) -> tuple[float, np.ndarray] | None:
-    """Return g' Q^-1 g and the unit direction of Q^-1 g in the metric; None where they say nothing."""
-    forms = _forms(system, first)
-    if forms is None:
-        return None
-    g, q, z = forms
-    d = np.linalg.solve(q, g)
-    size = float(np.linalg.norm(d))
-    return (float(g @ d), z @ d / size) if size > 0.0 else None
-
-
-def _forms(
-    system: BorderedSystem, first: list[np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _forms(system: BorderedSystem, first: list[np.ndarray]) -> tuple[np.ndarray, ...] | None:
     """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
     if min(system.jacobian.shape) > MOST_ROWS:
         return None
-    c = system.jacobian
-    u, values, vt = np.linalg.svd(c)
+    u, values, vt = np.linalg.svd(system.jacobian)
     rank = int((values > RANK).sum())
-    if len(c) == rank or np.abs(system.values).max() > CLOSURE_TOL:
+    if len(u) == rank or np.abs(system.values).max() > CLOSURE_TOL:
         return None
     lost, z = u[:, rank:], vt[rank:].T
     p, contacts = system.problem, system.hold
     inside = z / p.root[:, None]
     # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
-    every = np.array(
-        [inside.T @ p.lagrangian_hessian(system.x, -w, contacts, 0.0) @ inside for w in lost.T]
-    )
+    bends = (p.lagrangian_hessian(system.x, -w, contacts, 0.0) for w in lost.T)
+    every = np.array([inside.T @ bend @ inside for bend in bends])
     # rows that depend on each other all along the set say nothing to second order either
     mix, sizes, _ = np.linalg.svd(every.reshape(len(every), -1))
     if int((sizes > RANK).sum()) != 1:

@@ -11,11 +11,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 from origami_nlp.problem import Contact, Parameters, Problem
+
+Rows: TypeAlias = Sequence[Contact]
+Rates: TypeAlias = tuple[np.ndarray, np.ndarray]
+"""Of torques [n], and of closure and openings [m + r]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,20 +55,11 @@ class ParameterLine:
             a.dead if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
             a.laws if a.laws is None or d.laws is None else a.laws.along(d.laws, s),
         )
-        other: Problem = self.problem.varied(parameters)
-        return other
+        return cast(Problem, self.problem.varied(parameters))
 
-    def drift(
-        self,
-        p: Problem,
-        s: float,
-        x: np.ndarray,
-        multipliers: np.ndarray,
-        contacts: Sequence[Contact],
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Differentiate the KKT system by s at a state [n] of the problem p at s: torque [n], constraints [m + r]."""
-        torque, moved = p.drift(x, multipliers, contacts, self.slope(s))
-        return torque, moved
+    def drift(self, p: Problem, s: float, x: np.ndarray, nu: np.ndarray, contacts: Rows) -> Rates:
+        """Differentiate the KKT system with multipliers nu by s at a state [n] of the problem p at s."""
+        return cast(Rates, p.drift(x, nu, contacts, self.slope(s)))
 
     def slope(self, s: float) -> np.ndarray:
         """Return the derivative of `Parameters.vector` by s."""
@@ -118,14 +113,7 @@ class GeometryLine:
         """Return the problem at s; the last ones are kept."""
         return lru_cache(maxsize=KEPT)(self.problem_of)
 
-    def drift(
-        self,
-        p: Problem,
-        s: float,
-        x: np.ndarray,
-        multipliers: np.ndarray,
-        contacts: Sequence[Contact],
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def drift(self, p: Problem, s: float, x: np.ndarray, nu: np.ndarray, contacts: Rows) -> Rates:
         """Differentiate the KKT system by s at a state [n], by differences of fourth order."""
         h = SHARE * self.length
 
@@ -133,8 +121,8 @@ class GeometryLine:
             local = self.at(s).rows(x)
             values, slopes = local.openings(contacts)
             m = len(local.closure)
-            torque = local.gradient - local.closure_jacobian.T @ multipliers[:m]
-            return np.concatenate([torque - slopes.T @ multipliers[m:], local.closure, values])
+            torque = local.gradient - local.closure_jacobian.T @ nu[:m]
+            return np.concatenate([torque - slopes.T @ nu[m:], local.closure, values])
 
         ahead, behind = ([system(s + sign * k * h) for k in (1, 2)] for sign in (1.0, -1.0))
         rate = (8 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12 * h)

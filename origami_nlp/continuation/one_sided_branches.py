@@ -29,6 +29,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact
 
+Piece = tuple[Contact, ...]
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
 TRIALS = (1e-2, 1e-3, 1e-5)
@@ -56,9 +57,10 @@ class OneSidedBranch:
         return float(self.frame.tangent @ other.tangent) > ALIGNED
 
 
-def find_one_sided_branches(
-    line: Line, point: np.ndarray, verdict: str = ""
-) -> list[OneSidedBranch]:
+Branches = list[OneSidedBranch]
+
+
+def find_one_sided_branches(line: Line, point: np.ndarray, verdict: str = "") -> Branches:
     """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
 
     verdict: what states are that no multipliers judge; none of those are followed where it is "".
@@ -69,26 +71,17 @@ def find_one_sided_branches(
     out: list[OneSidedBranch] = []
     for piece in state.pieces:
         for hold in _holds(state, piece):
-            for half in _along(line, point, hold, piece):
-                _add(out, half)
-    if not out and verdict:
-        for piece in state.pieces[:1]:
-            everything = _independent(state, piece)
-            for half in _frozen(line, point, everything, verdict):
-                _add(out, half)
-    return out
-
-
-def _add(out: list[OneSidedBranch], new: OneSidedBranch) -> None:
-    """Add a half-branch; of two that are the same states, the one that holds more contacts."""
-    for k, old in enumerate(out):
-        if old.is_like(new.frame) and np.allclose(
-            old.frame.tangent, new.frame.tangent, atol=RANK, rtol=0
-        ):
-            if len(new.frame.hold) > len(old.frame.hold):
-                out[k] = new
-            return
-    out.append(new)
+            for new in _along(line, point, hold, piece):
+                along = new.frame.tangent
+                same = [np.allclose(h.frame.tangent, along, atol=RANK, rtol=0) for h in out]
+                if not any(same):
+                    out.append(new)
+                # of two that are the same states, the one that holds more contacts
+                elif len(new.frame.hold) > len(out[k := same.index(True)].frame.hold):
+                    out[k] = new
+    if out or not verdict:
+        return out
+    return [*_frozen(line, point, _independent(state, state.pieces[0]))]
 
 
 def _independent(state: State, rows: tuple[Contact, ...]) -> tuple[Contact, ...]:
@@ -114,12 +107,9 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[tuple[Contact, 
     optional = [k for k in range(len(piece)) if k not in must]
     # no more contacts than degrees of freedom: more would depend on each other
     most = state.kernel.shape[1]
-    sets = (
-        (*must, *some)
-        for count in range(min(len(optional), most - len(must)), -1, -1)
-        for some in itertools.combinations(optional, count)
-    )
-    for chosen in itertools.islice(sets, MOST_SETS):
+    counts = range(min(len(optional), most - len(must)), -1, -1)
+    sets = (some for count in counts for some in itertools.combinations(optional, count))
+    for chosen in ((*must, *some) for some in itertools.islice(sets, MOST_SETS)):
         jacobian = np.vstack([state.jacobian, held.slopes[list(chosen)]])
         # rows of closure depend on each other: what counts is what they leave free
         rows = held.slopes[list(chosen)] @ state.kernel
@@ -131,9 +121,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[tuple[Contact, 
             yield tuple(piece[k] for k in chosen)
 
 
-def _along(
-    line: Line, point: np.ndarray, hold: tuple[Contact, ...], piece: tuple[Contact, ...]
-) -> Iterator[OneSidedBranch]:
+def _along(line: Line, point: np.ndarray, hold: Piece, piece: Piece) -> Iterator[OneSidedBranch]:
     """Yield the directions in which the states that hold these contacts are equilibria."""
     curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
@@ -141,15 +129,14 @@ def _along(
     if found is None:
         return
     others = tuple(c for c in piece if c not in hold)
-    state = system.seen
-    alike = state.choices.alike(hold)
+    alike = system.seen.choices.alike(hold)
     alike = tuple(c for c in alike if not c.is_limit and c not in hold)
-    slopes, moved = opening_rates(curve, point, others)
+    rates = curve.opening_rates(system.problem, point, others)[1]
     first = line.problem.equation_count
     weak = system.multipliers[first:] <= BALANCED * system.size
     for sign in (1.0, -1.0):
         along, force = (sign * v for v in found)
-        opening = slopes @ along[:-1] + moved * along[-1]
+        opening = rates @ along
         force = force[first:][weak]
         # complementarity along the curve: of a weak contact the multiplier may not fall where it is held, nor the
         # opening
@@ -165,49 +152,29 @@ def _along(
             yield half
 
 
-def opening_rates(
-    curve: EquilibriumCurve, point: np.ndarray, contacts: tuple[Contact, ...]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return how openings change with the state, [r, n] in the metric, and with w s, [r]."""
-    s = float(point[-1])
-    p = curve.line.at(s)
-    slopes = p.local(point[:-1]).openings(contacts)[1] / p.root
-    none = np.zeros(p.equation_count + len(contacts))
-    moved = curve.line.drift(p, s, point[:-1], none, contacts)[1]
-    return slopes, moved[p.equation_count :] / curve.line.weight
-
-
-def _frozen(
-    line: Line, point: np.ndarray, hold: tuple[Contact, ...], verdict: str
-) -> Iterator[OneSidedBranch]:
-    """Yield the directions in which a state that nothing moves keeps its verdict."""
+def _frozen(line: Line, point: np.ndarray, hold: tuple[Contact, ...]) -> Branches:
+    """Return the directions in which a state that nothing moves keeps its verdict."""
     curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
     found = system.direction()
     if found is None or system.free:
-        return
-    along = found[0]
-    for sign in (1.0, -1.0):
-        half = goes_on(curve, OneSidedBranch(Equilibrium(point, sign * along, system), False))
-        if half is not None:
-            yield half
+        return []
+    return _both_ways(curve, Equilibrium(point, found[0], system), signed=False)
 
 
-def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[OneSidedBranch]:
+def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> Branches:
     """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
     across = frame.system.other_direction(frame.tangent)
-    both = (
-        goes_on(curve, OneSidedBranch(Equilibrium(frame.x, sign * across, frame.system), True))
-        for sign in (1.0, -1.0)
-    )
-    return [half for half in both if half is not None]
+    return _both_ways(curve, Equilibrium(frame.x, across, frame.system), signed=True)
+
+
+def _both_ways(curve: EquilibriumCurve, at: Equilibrium, signed: bool) -> Branches:
+    ways = (replace(at, tangent=sign * at.tangent) for sign in (1.0, -1.0))
+    return [*filter(None, (goes_on(curve, OneSidedBranch(way, signed)) for way in ways))]
 
 
 def goes_on(
-    curve: EquilibriumCurve,
-    half: OneSidedBranch,
-    others: tuple[Contact, ...] = (),
-    alike: tuple[Contact, ...] = (),
+    curve: EquilibriumCurve, half: OneSidedBranch, others: Piece = (), alike: Piece = ()
 ) -> OneSidedBranch | None:
     """Return the half-branch if a short step in this direction ends at an equilibrium; None if not.
 
@@ -221,7 +188,7 @@ def goes_on(
             continue
         frame = moved[0]
         held = _overlapping(curve, frame, others, alike)
-        if held is None and any(_opening(frame, c) < -FOLLOWED for c in others):
+        if held is None and any(frame.opening(c) < -FOLLOWED for c in others):
             return None
         frame = held or frame
         split = len(frame.seen.pieces) > 1
@@ -229,26 +196,19 @@ def goes_on(
             if h == TRIALS[0]:
                 continue
             return None  # nearer, what is lower is lost in rounding
-        if half.signed or judged(frame) == judged(half.frame):
+        if half.signed or frame.judged.verdict == half.frame.judged.verdict:
             return OneSidedBranch(held or half.frame, half.signed or held is not None, split)
     return None
 
 
-def _opening(frame: Equilibrium, contact: Contact) -> float:
-    return float(frame.problem.local(frame.state).openings((contact,))[0][0])
-
-
 def _overlapping(
-    curve: EquilibriumCurve,
-    frame: Equilibrium,
-    others: tuple[Contact, ...],
-    alike: tuple[Contact, ...],
+    curve: EquilibriumCurve, frame: Equilibrium, others: Piece, alike: Piece
 ) -> Equilibrium | None:
     """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
 
     Signs of forces show what openings of third order in the step cannot: which contacts would be passed without them.
     """
-    at_limit = tuple(c for c in (*others, *alike) if _opening(frame, c) < FOLLOWED)
+    at_limit = tuple(c for c in (*others, *alike) if frame.opening(c) < FOLLOWED)
     hold = frame.hold
     for more in dict.fromkeys((at_limit, *((c,) for c in at_limit))):
         if not more or len(more) > frame.system.free:
@@ -258,27 +218,23 @@ def _overlapping(
         if found is None or found.system.least <= RANK or not is_equilibrium(found):
             continue
         pushes = (found.forces > BALANCED * found.system.size).all()
-        if pushes and all(_opening(found, c) > -FOLLOWED for c in others):
+        if pushes and all(found.opening(c) > -FOLLOWED for c in others):
             return found
     return None
 
 
 def balances(frame: Equilibrium) -> bool:
     """Return whether the springs balance on every smooth branch that contacts allow, not only on the one held."""
-    state = frame.seen
-    pieces = state.pieces
-    if len(pieces) == 1:
+    state, pieces = frame.seen, frame.seen.pieces
+    most = BALANCED * (1.0 + float(np.abs(state.gradient).max()))
+    if len(pieces) == 1 or all(state.on(p).multiplier_set.residual <= most for p in pieces):
         return True
-    size = 1.0 + float(np.abs(state.gradient).max())
-    if all(state.on(piece).multiplier_set.residual <= BALANCED * size for piece in pieces):
-        return True
-    return judged(frame) != "not stationary"
+    return frame.judged.verdict != "not stationary"
 
 
 def is_equilibrium(frame: Equilibrium) -> bool:
     """Return whether a point is admissible and all its contacts touch and push."""
-    good = pushes(frame) and not frame.seen.refused
-    return good and touches(frame)
+    return pushes(frame) and not frame.seen.refused and touches(frame)
 
 
 def pushes(frame: Equilibrium) -> bool:
@@ -301,13 +257,3 @@ def margin(frame: Equilibrium, contact: Contact) -> float:
         if contact in {*found.base, *(c for b in found.branches for option in b for c in option)}:
             return math.inf
     return inside
-
-
-def judged(frame: Equilibrium) -> str:
-    """Return the verdict of `kkt.classify`."""
-    return frame.judged.verdict
-
-
-def turned(half: OneSidedBranch) -> OneSidedBranch:
-    """Return the same state, seen the other way."""
-    return replace(half, frame=replace(half.frame, tangent=-half.frame.tangent))

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import scipy as sp
 
-from origami_nlp.continuation.line import Line
+from origami_nlp.continuation.line import Line, Rates
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import EPS, RANK, Factor, Normal, null_space
 from origami_nlp.problem import Contact
@@ -103,9 +103,8 @@ class BorderedSystem:
     @cached_property
     def shortest_multipliers(self) -> np.ndarray:
         """Multipliers of smallest norm: those that Newton carries along say nothing of dependent rows, [m + r]."""
-        return Normal(self.jacobian).multipliers(
-            self.imbalance + self.jacobian.T @ self.multipliers
-        )
+        gradient = self.imbalance + self.jacobian.T @ self.multipliers
+        return Normal(self.jacobian).multipliers(gradient)
 
     @cached_property
     def range(self) -> np.ndarray:
@@ -130,12 +129,9 @@ class BorderedSystem:
         """Orthonormal basis of the null space of closure and active constraints, [n, t]."""
         p = self.problem
         at_limit = [c.index for c in self.hold if c.is_limit]
-        z = p.kernel(self.x, at_limit)
-        gaps = [k for k, c in enumerate(self.hold) if not c.is_limit]
-        if not gaps:
-            return np.asarray(z)
-        first = len(self.jacobian) - len(self.hold)
-        return np.asarray(z @ null_space(self.jacobian[[first + k for k in gaps]] @ z))
+        z, first = np.asarray(p.kernel(self.x, at_limit)), p.equation_count
+        gaps = [first + k for k, c in enumerate(self.hold) if not c.is_limit]
+        return z @ null_space(self.jacobian[gaps] @ z) if gaps else z
 
     @property
     def free(self) -> int:
@@ -167,11 +163,7 @@ class BorderedSystem:
         out[n:, :n], out[n:, -1] = c, self.moved
         return out
 
-    def _in_variables(self, step: np.ndarray) -> np.ndarray:
-        """Return a step (dy, w ds) in (x, s)."""
-        return np.append(step[:-1] / self.problem.root, step[-1] / self.line.weight)
-
-    def _bordered(self, row: np.ndarray) -> Callable[..., tuple[np.ndarray, np.ndarray] | None]:
+    def _bordered(self, row: np.ndarray) -> Callable[..., Rates | None]:
         """Factorise with one more row over (dy, w ds); return what solves for that and minus the change of nu."""
         # curvature that multipliers add beside singular states would let eps be taken back slowly
         size = max(1.0, float(abs(self.hessian).max()))
@@ -182,9 +174,7 @@ class BorderedSystem:
         below, across = np.column_stack([c, moved]), np.vstack([c.T, np.zeros(len(c))])
         factor = Factor(matrix, below, across)
 
-        def solve(
-            top: np.ndarray, right: float, bottom: np.ndarray
-        ) -> tuple[np.ndarray, np.ndarray] | None:
+        def solve(top: np.ndarray, right: float, bottom: np.ndarray) -> Rates | None:
             want, left = np.append(top / size, right), math.inf
             bottom = bottom if span is None else span.T @ bottom
             d, change = np.zeros(len(want)), np.zeros(len(bottom))
@@ -234,5 +224,5 @@ class BorderedSystem:
         found = self._bordered(row)(-self.imbalance, right, -self.values)
         if found is None:
             return None
-        self.after = self.multipliers + found[1]
-        return self._in_variables(found[0])
+        step, self.after = found[0], self.multipliers + found[1]
+        return np.append(step[:-1] / self.problem.root, step[-1] / self.line.weight)

@@ -158,11 +158,6 @@ class Trace(Generic[F]):
     behind: int
 
     @property
-    def closed(self) -> bool:
-        """Whether it is a loop: the last point is the first."""
-        return self.end == CLOSED_CURVE
-
-    @property
     def states(self) -> np.ndarray:
         """Its points, [m, n]."""
         return np.array([frame.x for frame in self.frames])
@@ -198,11 +193,12 @@ def advance(
     new = curve.frame(x, along / np.linalg.norm(along))
     if new is None:
         return None
-    chord = float(np.linalg.norm(root * (x - frame.x)))
-    return (new, _arc(frame, new, chord)) if 0.5 * h <= chord <= 2 * h else None
+    good = 0.5 * h <= np.linalg.norm(root * (x - frame.x)) <= 2 * h
+    return (new, _arc(root, frame, new)) if good else None
 
 
-def _arc(a: CurveFrame, b: CurveFrame, chord: float) -> float:
+def _arc(root: np.ndarray, a: CurveFrame, b: CurveFrame) -> float:
+    chord = float(np.linalg.norm(root * (b.x - a.x)))
     # an arc of curvature k over a chord c is c (1 + k^2 c^2 / 24 + ...), k^2 the mean of both ends
     return chord * (1 + 0.5 * float(a.bend @ a.bend + b.bend @ b.bend) * chord * chord / 24)
 
@@ -216,9 +212,7 @@ def trace(
     `steps.most` points, the length `steps.far` or the time `steps.until`.  None where the curve does not turn around.
     """
     ahead, lengths, end = trace_ahead(curve, first, steps, ends)
-    behind: list[F] = []
-    back: list[float] = []
-    start = end
+    behind, back, start = list[F](), list[float](), end
     if end != CLOSED_CURVE:
         turned = curve.frame(first.x, -first.tangent)
         if turned is None:
@@ -232,8 +226,7 @@ def trace_ahead(
     curve: CurveProblem[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]]
 ) -> tuple[list[F], list[float], str]:
     """Trace from `first` along its tangent: the frames after it with their arclength, and why they end."""
-    frames: list[F] = []
-    s: list[float] = []
+    frames, s = list[F](), list[float]()
     here, at, h = first, 0.0, steps.first
     found: End[F] | None = None  # an end that lies within the next step
     while len(frames) < steps.most and at < steps.far:
@@ -251,8 +244,7 @@ def trace_ahead(
                     frames.append(step.frame)
                     s.append(at)
                     here = step.frame
-                chord = float(np.linalg.norm(curve.root * (first.x - here.x)))
-                return [*frames, first], [*s, at + _arc(here, first, chord)], CLOSED_CURVE
+                return [*frames, first], [*s, at + _arc(curve.root, here, first)], CLOSED_CURVE
             here, at = step.frame, at + step.length
             frames.append(here)
             s.append(at)
@@ -262,8 +254,7 @@ def trace_ahead(
             if last is here:
                 return frames, s, end.why
             if last is not None:
-                chord = float(np.linalg.norm(curve.root * (last.x - here.x)))
-                return [*frames, last], [*s, at + _arc(here, last, chord)], end.why
+                return [*frames, last], [*s, at + _arc(curve.root, here, last)], end.why
             # an end that is only known to lie between two points: steps are halved down to the shortest
             found, h = end, beyond.tried / 2
         elif len(ahead) == kept and not after:
@@ -283,9 +274,7 @@ def _ahead(
     ahead: list[_TracedStep[F]] = []
     while len(ahead) < count:
         moved = advance(curve, here, h, steps.aside)
-        turn = math.inf
-        if moved is not None:
-            turn = float(np.linalg.norm(moved[0].tangent - here.tangent))
+        turn = 0.0 if moved is None else float(np.linalg.norm(moved[0].tangent - here.tangent))
         if moved is None or turn > steps.sharpest:
             h /= 2
             if h <= steps.shortest:

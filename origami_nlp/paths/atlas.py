@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Details, Section, Table, Words
+from origami_nlp.display import Details, Section, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
@@ -114,14 +114,10 @@ class Atlas(Path):
         """
         parameter = self.parameter
         if self.web is None:
-            raise OptionError(
-                "an atlas that was read from a file has its branches and events, not what was followed: follow anew "
-                "for the states at a value"
-            )
+            raise OptionError("an atlas from a file has no states at a value: follow anew")
         if not parameter.low <= value <= parameter.high:
-            raise OptionError(
-                f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
-            )
+            whole = f"{parameter.low:g} to {parameter.high:g}"
+            raise OptionError(f"value = {value:g} is outside what was followed, {whole}")
         return self.web.listed_at(value)
 
     def origami_at(self, t: float) -> Any:
@@ -149,27 +145,21 @@ class Atlas(Path):
         def moment(p: PathPoint) -> float:
             return max((m.multiplier for m in p.multipliers), default=math.nan)
 
-        panels = [
-            Plot(over.axis, "energy [J]", lambda p: (over.drawn(p.t), p.energy)),
-            Plot(
-                over.axis,
-                f"fold angle {k + 1} [deg]",
-                lambda p: (over.drawn(p.t), math.degrees(p.fold_angles[k])),
-            ),
-        ]
+        panels = {"energy [J]": lambda p: p.energy}
+        panels[f"fold angle {k + 1} [deg]"] = lambda p: math.degrees(p.fold_angles[k])
         least = STATIONARY * max(self.scene.stiffness)  # below, moments are rounding
         if any(moment(p) > least for p in points):
-            label = "largest moment [N m]"
-            panels.append(Plot(over.axis, label, lambda p: (over.drawn(p.t), moment(p))))
-        return panels
+            panels["largest moment [N m]"] = moment
+        place: Any = lambda of: lambda p: (over.drawn(p.t), of(p))  # noqa: E731
+        return [Plot(over.axis, y, place(of)) for y, of in panels.items()]
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, what is not known, and the details: fold angles, branches and checks."""
         over, rows = self.parameter, []
         for i in self.intervals:
             kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
-            where = f"{over.shown(i.t[0])} to {over.shown(i.t[1])}"
-            rows.append({over.name: where, "minima": str(i.minima), "kinds": kinds})
+            where = {over.name: " to ".join(map(over.shown, i.t))}
+            rows.append({**where, "minima": str(i.minima), "kinds": kinds})
         kept = self.scene.is_symmetric
         yield listed(f"{self.scene.title}: {'symmetric ' * kept}minima over {over.name}", rows)
         if self.events:
@@ -183,19 +173,14 @@ class Atlas(Path):
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield from bold([f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}"])
-        angles = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
-        ranges = [
-            {
-                "branch": str(b.id),
-                over.name: f"{over.shown(r.t[0])} to {over.shown(r.t[1])}",
-                "kind": r.kind,
-                "ends": ", ".join(b.ends) if r is b.kind_ranges[-1] else "",
-            }
-            for b in self.branches
-            for r in b.kind_ranges
-        ]
-        pieces: list[Table | Words] = [
-            listed("", [{"event": k, "fold angles [deg]": phi} for k, phi in angles]),
-            listed("", ranges),
-        ]
-        yield Details([*pieces, Words(f"{self.steps} steps", "dim")], "Fold angles, branches")
+        each = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
+        angles = [{"event": k, "fold angles [deg]": phi} for k, phi in each]
+        ranges = []
+        for b in self.branches:
+            for r in b.kind_ranges:
+                ends = ", ".join(b.ends) if r is b.kind_ranges[-1] else ""
+                where = {"branch": str(b.id), over.name: " to ".join(map(over.shown, r.t))}
+                ranges.append({**where, "kind": r.kind, "ends": ends})
+        steps: Any = Words(f"{self.steps} steps", "dim")
+        pieces = [listed("", angles), listed("", ranges), steps]
+        yield Details(pieces, "Fold angles, branches")

@@ -140,8 +140,7 @@ class BifurcationSet(Report):
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for curve, p in ((c, p) for c in self.curves for p in c.points):
-            row: dict[str, object] = {"curve": curve.id, "type": curve.type}
-            row["contact"] = curve.contact
+            row: Any = {"curve": curve.id, "type": curve.type, "contact": curve.contact}
             for k, (over, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
                 row |= {f"parameter_{k}": over.name, f"t_{k}": t, f"unit_{k}": over.unit}
             yield row | angle_columns(p.fold_angles)
@@ -285,9 +284,8 @@ class _Map:
                 if first is None or abs(first.x[axis] - share[axis]) > NEAR_SINGULAR_TOL:
                     continue
                 words = first.frame.problem.words(contact, state).text if contact else ""
-                known = self._known(first, words) or self._traced_from(
-                    tracer, first, FLAT if flat else node.type, words
-                )
+                kind = FLAT if flat else node.type
+                known = self._known(first, words) or self._traced_from(tracer, first, kind, words)
                 break
             yield plane.parameters[axis].t_of(node.s), known
 
@@ -312,17 +310,17 @@ class _Map:
         good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
         found = []
         for p in good:
-            angles = p.frame.problem.expand(p.frame.state).tolist()
             t, u = (self.plane.value(float(p.x[k]), k) for k in (0, 1))
-            found.append(CurvePoint((t, u), tuple(angles), p.kkt, p.event))
+            found.append(CurvePoint((t, u), p.frame.fold_angles, p.kkt, p.event))
         self._traced.append(np.array([p.x for p in good]))
         self.curves.append(EventCurve(len(self.curves) + 1, kind, contact, tuple(found), ends))
         return len(self.curves)
 
 
-def _systems(
-    web: Any, number: int, node: SpecialPoint
-) -> Iterator[tuple[tuple[Contact, ...], Contact | None]]:
+Held = tuple[tuple[Contact, ...], Contact | None]
+
+
+def _systems(web: Any, number: int, node: SpecialPoint) -> Iterator[Held]:
     """Yield what is held at an event on the side that holds less, and a contact that closes there.
 
     Several contacts may close together, and not all of them to first order.

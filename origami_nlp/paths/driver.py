@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
+Begun: TypeAlias = "tuple[Driver, int, np.ndarray]"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
 
@@ -52,10 +53,8 @@ class OwnForces:
     creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
-        none = "has no [[loads]] with forces to be multiplied"
         if not self.scene.loads or not self.arm:
-            why = "has forces that are all zero" if self.scene.loads else none
-            raise OptionError(f"crease = None: the scene {why}")
+            raise OptionError("crease = None: the scene has no [[loads]] with forces, or zero ones")
 
     @property
     def arm(self) -> float:
@@ -86,9 +85,7 @@ class Driver:
 
     work: Torque | Pull | DeadForce | OwnForces
     scene: Scene | None = None
-    elements: tuple[tuple[int, bool], ...] = field(
-        default=IDENTITY, repr=False, metadata={"plain": False}
-    )
+    elements: Any = field(default=IDENTITY, repr=False, metadata={"plain": False})
     ALSO = ("name", "unit", "coordinate", "creases")
 
     @property
@@ -118,19 +115,14 @@ class Driver:
         return self.work.creases
 
     @property
-    def alike(self) -> int:
-        """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
-        return len(self.creases) if self.scene and self.creases else 1
-
-    @property
     def coordinate(self) -> str:
         """What the load works on, with its unit; of images the mean."""
         mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
-        return mean if self.alike > 1 else self.work.coordinate
+        return mean if self.scene and len(self.creases) > 1 else self.work.coordinate
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return what the load works on at states [..., N]."""
-        return self.work.conjugate(fold_angles) / self.alike
+        """Return what the load works on at states [..., N]; of images, which turn alike, the mean."""
+        return self.work.conjugate(fold_angles) / (len(self.creases) or 1 if self.scene else 1)
 
     @property
     def farthest(self) -> float:
@@ -149,7 +141,8 @@ class Driver:
 
     def images(self, fold_angles: np.ndarray, at: np.ndarray | None = None) -> list[np.ndarray]:
         """Return the images of a state under symmetries of the load; at: under those that keep another state."""
-        every = [image_of(len(fold_angles), e) for e in self.elements]
+        n = np.arange(len(fold_angles))
+        every = [(shift + (-n if mirrored else n)) % len(n) for shift, mirrored in self.elements]
         kept = (i for i in every if at is None or np.abs(at[i] - at).max() <= SETTLED)
         return [fold_angles[i] for i in kept]
 
@@ -177,9 +170,7 @@ class Driver:
         until = min(until, rms.until)
         return replace(rms, first=size * rms.first, longest=size * rms.longest, until=until)
 
-    def begin(
-        self, state: Any, until: float, asked: dict[str, Any], full: bool
-    ) -> tuple[Driver, int, np.ndarray]:
+    def begin(self, state: Any, until: float, asked: Any, full: bool) -> Begun:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
         asked: of the search.  full: whether states may break the symmetry, if this one is stable without it; the path
@@ -201,14 +192,11 @@ class Driver:
         if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
             raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
         if self.scene is None and not phi.any():
-            why = "is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
+            why = "is the flat state, from which many branches go on: load a folded one"
             raise OptionError(f"{which} {why}")
         if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
             a, b = self.work.corners
-            raise OptionError(
-                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
-                "one to the other"
-            )
+            raise OptionError(f"pull = {a}, {b}: these vertices lie on each other in that state")
         free = self.free
         there = State(free.problem, free.problem.reduce(phi))
         if full and classify(there).verdict == "minimum":
@@ -230,8 +218,7 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
         origami.check_alone("a load")
         if isinstance(load, Work):
             if load.pattern is not origami:
-                why = "is one of another pattern: make it of the one that is loaded"
-                raise OptionError(f"load {why}")
+                raise OptionError("load is one of another pattern: make it of the loaded one")
             return Driver(load)
         several = isinstance(load, Sequence) and not isinstance(load, str)
         return Driver(Torque(origami, tuple(load) if several else (load,)))
@@ -241,10 +228,3 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
     here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
     creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
     return Driver(Torque(one_vertex(origami), creases), origami, origami.group.elements)
-
-
-def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
-    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
-    shift, mirrored = element
-    i = np.arange(n)
-    return (shift - i if mirrored else shift + i) % n

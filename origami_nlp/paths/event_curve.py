@@ -31,9 +31,7 @@ from origami_nlp.numerics import ROUNDED, STATIONARY
 from origami_nlp.paths.family import Plane
 from origami_nlp.problem import Contact
 
-STEPS = ContinuationOptions(
-    first=2e-3, longest=0.05, shortest=1e-4, growth=1.5, aside=0.5, most=1000
-)
+STEPS = ContinuationOptions(2e-3, 0.05, 1e-4, growth=1.5, aside=0.5, most=1000)
 """Along a curve: shares of the ranges, and `STATES` times fold angles [rad]."""
 STATES = 0.1
 AHEAD = 2e-4
@@ -63,6 +61,9 @@ class EventPoint:
     def bend(self) -> np.ndarray:
         """Not known: steps are straight."""
         return 0.0 * self.tangent
+
+
+Followed = tuple[Sequence[EventPoint], tuple[str, str]]
 
 
 @dataclass(eq=False)
@@ -103,7 +104,7 @@ class EventTracer:
                 return None
             found, kkt, value = there, there.system.residual, there.ahead
             if self.contact is not None:
-                value = float(found.problem.local(found.state).openings((self.contact,))[0][0])
+                value = found.opening(self.contact)
         x = np.append(share, found.state)
         x[axis] = plane.share(found.s, axis)
         return EventPoint(x, found, kkt, value, 0.0 * x)
@@ -125,7 +126,7 @@ class EventTracer:
             if b is None or abs(b.ahead) <= ROUNDED or b.ahead == a.ahead:
                 break
             # secant step to ds/dl = 0 from b, in the length along its tangent
-            h = float(b.tangent @ (curve.root * (a.x - b.x))) * b.ahead / (b.ahead - a.ahead)
+            h = curve.along(b, a.x) * b.ahead / (b.ahead - a.ahead)
             if abs(h) <= ROUNDED:
                 break
             if abs(h) > SHARPEST:
@@ -158,9 +159,7 @@ class EventTracer:
         self.axis = int(np.abs(way[:2]).argmin())
         return replace(here, tangent=way / length)
 
-    def follow(
-        self, first: EventPoint, until: float
-    ) -> tuple[Sequence[EventPoint], tuple[str, str]]:
+    def follow(self, first: EventPoint, until: float) -> Followed:
         """Follow an event both ways through the plane; return its points in order, and why they end.
 
         until: when the time is over (`time.monotonic`).
@@ -188,12 +187,10 @@ class EventTracer:
         p, q = a.x, b.x
         if 0.0 <= q[:2].min() and q[:2].max() <= 1.0:
             return b
-        shares = [
-            ((0.0 if q[k] < 0 else 1.0) - p[k]) / (q[k] - p[k]) if not 0 <= q[k] <= 1 else 2.0
-            for k in (0, 1)
-        ]
-        k = int(np.argmin(shares))
-        at = p + shares[k] * (q - p)
+        out = [k for k in (0, 1) if not 0 <= q[k] <= 1]
+        shares = [(float(q[k] > 0) - p[k]) / (q[k] - p[k]) for k in out]
+        k = out[int(np.argmin(shares))]
+        at = p + min(shares) * (q - p)
         # on the edge to the last bit
         at[k], self.axis = round(at[k]), 1 - k
         return self.at(at[:2], at[2:])

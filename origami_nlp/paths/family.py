@@ -62,7 +62,7 @@ class Family:
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
         values = np.linspace(*self.parameter.ends, self.samples).tolist()
-        stated = [self.scene_of(self.parameter.t_of(s)) for s in values]
+        stated = (self.scene_of(self.parameter.t_of(s)) for s in values)
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
@@ -94,10 +94,8 @@ class Family:
         if apart.max() > RESOLVED:
             cuts = np.linspace(low, high, self.samples)[int(apart.argmax()) :][:2]
             a, b = (self.parameter.t_of(float(s)) for s in cuts)
-            raise OptionError(
-                f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
-                "these are two families, follow each alone"
-            )
+            where = f"the scenes over {self.parameter.name} jump between {a:.6g} and {b:.6g}"
+            raise OptionError(f"{where}: these are two families, follow each alone")
         first = whole.parameters
         direction = change_of(first, posed[-1].parameters, length)
         start = ParameterLine(whole, first, direction).at(-low).parameters
@@ -195,13 +193,11 @@ def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[Patt
         If some have other facets, hinge laws, another symmetry or contact.
     """
     _, whole = made[0]
-    for _, problem in made:
-        one, other = _structure(whole), _structure(problem)
+    one = _structure(whole)
+    for other in (_structure(problem) for _, problem in made):
         if one[:-1] != other[:-1]:
-            raise OptionError(
-                f"over {name} facets, creases, symmetry or contact do not stay: state the symmetry, or follow a "
-                "shorter range"
-            )
+            why = "do not stay: state the symmetry, or follow a shorter range"
+            raise OptionError(f"over {name} facets, creases, symmetry or contact {why}")
         if one[-1] != other[-1]:
             raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
     return [_posed_as(whole, stated, problem) for stated, problem in made]
@@ -211,8 +207,7 @@ def _structure(p: PatternProblem) -> tuple[Any, ...]:
     """Return what problems that are posed alike share; last the laws, but for their factors and shifts."""
     orbit = None if p.orbits is None else p.orbits.orbit.tolist()
     laws = () if p.parameters.laws is None else p.parameters.laws.laws
-    facets = p.pattern.polygons, p.pattern.ends.tolist()
-    return *facets, p.contact, p.has_limits, orbit, laws
+    return p.pattern.polygons, p.pattern.ends.tolist(), p.contact, p.has_limits, orbit, laws
 
 
 def _posed_as(whole: PatternProblem, stated: Any, problem: PatternProblem) -> PatternProblem:

@@ -20,9 +20,8 @@ from origami_nlp.paths.result import Path, Plot
 COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": "#56B4E9"}
 OTHER = "#CC79A7"
 """Of states whose verdict is neither."""
-MARKS = dict(
-    zip("fold nonsmooth-fold closes leaves branching singular".split(), "sDooXx", strict=True)
-)
+MARKS = {"fold": "s", "nonsmooth-fold": "D", "closes": "o", "leaves": "o"}
+MARKS |= {"branching": "X", "singular": "x"}
 SNAP = "#c1121f"
 BAND: Any = {"color": "#222222", "lw": 6, "alpha": 0.13, "solid_capstyle": "round", "zorder": 1}
 DOTS: Any = {"color": "white", "lw": 1.4, "ls": (0, (1, 1.5)), "zorder": 2.5}
@@ -52,9 +51,9 @@ def draw_path(path: Path) -> Figure:
     check_type("path", path, Path)
     panels, load = path.panels, isinstance(path, LoadPath)
     count, handles = len(panels), dict[str, Line2D]()
-    size, rows = (
-        ((4.2 * count, 4.6), (1, count)) if load else ((7.0, 1.0 + 2.1 * count), (count, 1))
-    )
+    size, rows = (7.0, 1.0 + 2.1 * count), (count, 1)
+    if load:
+        size, rows = (4.2 * count, 4.6), (1, count)
     with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
         figure = Figure(figsize=size, dpi=110, layout="constrained")
         every = figure.subplots(*rows, squeeze=False, sharex=not load).ravel()

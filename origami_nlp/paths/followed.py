@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, TypeAlias
 
@@ -42,22 +42,15 @@ class FollowedDiagram(BifurcationDiagram):
         The problems.
     parameter
         The parameter, or load, and its range.
-    functions, options
+    options
         As of `BifurcationDiagram`.
     """
 
-    def __init__(
-        self,
-        line: Line,
-        parameter: ParameterRange,
-        *,
-        functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
-        **options: Any,
-    ) -> None:
+    def __init__(self, line: Line, parameter: ParameterRange, **options: Any) -> None:
         if line.problem.sparse:
             many = f"a pattern of {line.problem.size} creases"
             raise OptionError(f"states of {many} are not followed: its closure has sparse factors")
-        super().__init__(line, *parameter.ends, functions=functions, **options)
+        super().__init__(line, *parameter.ends, **options)
         self.parameter, self.cut = parameter, False
         self._kinds, self._points = dict[int, tuple[str, str]](), dict[Equilibrium, r.PathPoint]()
 
@@ -110,10 +103,8 @@ class FollowedDiagram(BifurcationDiagram):
                 # moment at each single contact, in the scene's units
                 unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
                 low, high = (unit * v for v in spread.get(contact, (value, value)))
-                touching = who.creases, who.facets, who.corners, who.side, who.place
-                forces.append(
-                    ContactForce(who.type, value * unit, (low, high), who.text, *touching)
-                )
+                touching = who.text, who.creases, who.facets, who.corners, who.side, who.place
+                forces.append(ContactForce(who.type, value * unit, (low, high), *touching))
         found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
@@ -124,13 +115,11 @@ class FollowedDiagram(BifurcationDiagram):
         )
         return self._points.setdefault(frame, found)
 
-    def frames_at(
-        self, s: float, wanted: Callable[[Equilibrium], bool] = lambda _: True
-    ) -> list[Equilibrium]:
+    def frames_at(self, s: float, saddles: bool = True) -> list[Equilibrium]:
         """Return the states of all arcs at s, and those of s alone, each once where arcs meet."""
         out: list[Equilibrium] = []
         for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
-            if wanted(frame) and nearest(out, frame.state) > SETTLED:
+            if (saddles or not frame.index) and nearest(out, frame.state) > SETTLED:
                 out.append(frame)
         return out
 
@@ -180,28 +169,18 @@ class FollowedDiagram(BifurcationDiagram):
         if node.between is not None:
             low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
             note = f"between {low} and {high}: {note}"
-        return r.PathEvent(
-            number,
-            self._type(at),
-            self.parameter.t_of(node.s),
-            tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
-            "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
-            r.Residuals(node.residual, node.value),
-            node.located,
-            note,
-            meets,
-        )
+        phi, t = (problem.expand(node.point[:-1]) + 0.0).tolist(), self.parameter.t_of(node.s)
+        who = node.contact and problem.words(node.contact, node.point[:-1]).text
+        how = r.Residuals(node.residual, node.value), node.located, note, meets
+        return r.PathEvent(number, self._type(at), t, tuple(phi), who or "", *how)
 
     def _type(self, at: int) -> str:
         """Return the type of an event, contacts as they close and leave while the parameter grows."""
         node = self.nodes[at]
         if node.type not in ("closes", "leaves"):
             return "singular" if node.type == "refused" else node.type
-        held = [
-            (arc.frames[1].hold, arc.high > node.s + (node.s - arc.low))
-            for arc in self.arcs
-            if at in (arc.start, arc.end)
-        ]
+        arcs = [arc for arc in self.arcs if at in (arc.start, arc.end)]
+        held = [(a.frames[1].hold, a.high > node.s + (node.s - a.low)) for a in arcs]
         # of contacts that close together another one may be held: then more of them are on that side
         most = max((len(contacts) for contacts, _ in held), default=0)
         named = [after for contacts, after in held if node.contact in contacts][:1]

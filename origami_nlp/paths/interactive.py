@@ -8,14 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import (
-    Content,
-    FoldedBody,
-    Keyframe,
-    Poser,
-    Trajectory,
-    join_states,
-)
+from origami_nlp.display import Content, Keyframe, Poser, Trajectory, join_states
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.records import PathPoint
 from origami_nlp.paths.result import Path, Track, degrees_listed
@@ -45,9 +38,8 @@ def view_path(path: Path) -> Content:
     def poser(p: PathPoint) -> Any:
         return posed(over.low if still else p.t)
 
-    def folded(p: PathPoint) -> FoldedBody:
-        body: FoldedBody = poser(p).folded(p.fold_angles, p.energy)
-        return body
+    def folded(p: PathPoint) -> Any:
+        return poser(p).folded(p.fold_angles, p.energy)
 
     stations, tracks = [], list[Trajectory]()
     for m in marks:
@@ -59,10 +51,9 @@ def view_path(path: Path) -> Content:
         middle = points[len(points) // 2]
         view, t = poser(middle).view(middle.fold_angles), [over.drawn(p.t) for p in points]
         tracks.append(join_states(title, [folded(p) for p in points], view, t, over.axis))
-    first = path.origami_at(over.low)
     note = "" if tracks else "Nothing was followed."
     shown = tuple(stations), tuple(tracks), tuple(path.report_sections()), note, STEPS
-    return Content(first.title, posed(over.low).body, *shown)
+    return Content(path.origami_at(over.low).title, posed(over.low).body, *shown)
 
 
 def _one_way(path: Path, curve: Track) -> Iterator[tuple[str, Sequence[PathPoint]]]:

@@ -24,13 +24,18 @@ from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.ways import Fall, Run, Ways
+from origami_nlp.paths.ways import Run, Ways
 from origami_nlp.pattern_problem import PopSigns
 
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
+CUT = f"{OUT_OF_TIME}: the path goes on from where it ends here"
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
+
+
+Arrived = tuple[np.ndarray, float]
+"""A state, and the load at which it is one."""
 
 
 @dataclass
@@ -80,9 +85,7 @@ class FollowedLoad(Ways):
         if not self.holding(x, s) and self.given(x, s) is None:
             self.add(x, s, "minimum", toward, follow)
 
-    def go(
-        self, x: np.ndarray, s: float, end: float, *, once: bool
-    ) -> tuple[np.ndarray, float] | None:
+    def go(self, x: np.ndarray, s: float, end: float, *, once: bool) -> Arrived | None:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives."""
         toward, ways, alarms = 1.0 if end > s else -1.0, self.record.ways, self.record.alarms
         far = self.parameter.high if toward < 0 else self.parameter.low
@@ -95,7 +98,7 @@ class FollowedLoad(Ways):
                 if way is not None and len(way.frames) > 1:
                     ways.append(way._replace(why=LATE, branches_off=bool(before)))
                 if not self.stopped:
-                    alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                    alarms.append(CUT)
                 return None
             if way is None:
                 alarms.append(f"no stable states lead on from load {s:.9g}")
@@ -109,11 +112,9 @@ class FollowedLoad(Ways):
             if isinstance(landed, str):
                 ways[-1] = way
                 if way.why == "snap":
-                    words = f"no certified minimum was reached from the end at {last.s:.9g}"
-                    alarms.append(f"{words}: {landed}")
+                    alarms.append(f"no certified minimum was reached from {last.s:.9g}: {landed}")
                 return (last.state, last.s) if way.why == "range" else None
-            x, s, what = landed
-            x = self._chosen(x, node)
+            x, s = self._chosen(landed.state, node), landed.s
             if node.type == "branching":
                 self.begin(x, s, toward)
                 led = self.walk(x, s, -toward, far, last=way.node)
@@ -125,7 +126,7 @@ class FollowedLoad(Ways):
                     ways[-1] = way
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            ways[-1] = way._replace(why="snap", fall=Fall(x, s, what))
+            ways[-1] = way._replace(why="snap", fall=landed._replace(state=x))
             if not self.low <= s <= self.high:
                 return None
             self.begin(x, s, toward, follow=not once)
@@ -152,8 +153,7 @@ class FollowedLoad(Ways):
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state less that of another one, at a load."""
-        problem: Any = self.line.at(t)
-        return -float(problem.energy_change(one, two))
+        return -float(self.line.at(t).energy_change(one, two))
 
     def pack(self) -> LoadPath:
         """Judge what was followed, and pack it.
@@ -165,12 +165,10 @@ class FollowedLoad(Ways):
         for job in kept.stages or [self]:
             job.cut = self.cut
             lines, events = job.records()
-            branches += [] if job.hinges else lines
-            met += (
-                [job.hinges.named(replace(e, branches=())) for e in events]
-                if job.hinges
-                else events
-            )
+            if job.hinges:
+                lines, events = (), tuple(map(job.hinges.named, events))
+            branches += lines
+            met += events
         legs, snapped = [], 0
         for run in kept.ways:
             snapped += run.fall is not None
@@ -208,10 +206,9 @@ class FollowedLoad(Ways):
             same = next((group for group in groups if self._one(group[0], e)), None)
             groups.append([e]) if same is None else same.append(e)
         groups.sort(key=lambda group: group[0].t)
-        return [
-            replace(group[0], id=k, branches=tuple(sorted({b for e in group for b in e.branches})))
-            for k, group in enumerate(groups, start=1)
-        ]
+        meet = [tuple(sorted({b for e in group for b in e.branches})) for group in groups]
+        each = enumerate(zip(groups, meet, strict=True), start=1)
+        return [replace(group[0], id=k, branches=branches) for k, (group, branches) in each]
 
     def _one(self, a: r.PathEvent, b: r.PathEvent) -> bool:
         """Whether two events are images under the symmetry."""
@@ -227,10 +224,10 @@ class FollowedLoad(Ways):
         first = run.frames[0]
         points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
-            phi, none = self.problem.expand(node.point[:-1]), (math.nan,) * 2
-            more = self.seen_as(first, phi)
-            at = tuple(phi.tolist())
-            points.append(r.PathPoint(node.s, at, more["energy"], (), *none, more["angle"]))
+            phi = self.problem.expand(node.point[:-1])
+            more = {"multipliers": (), **self.seen_as(first, phi)}
+            more |= dict.fromkeys(("eigenvalue", "full_space_eigenvalue"), math.nan)
+            points.append(r.PathPoint(node.s, tuple(phi.tolist()), **more))
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
@@ -255,12 +252,9 @@ class FollowedLoad(Ways):
             alarms.append(f"after the snap at load {found.s:.6g} {why}")
         type = {"singular": "flat state", START: event.type}.get(found.type, found.type)
         angle = float(self.driver.conjugate(one)), float(self.driver.conjugate(two))
-        states, lost = (
-            (tuple(one.tolist()), tuple(two.tolist())),
-            self._released(found.s, before, after),
-        )
-        kind = str(fall.what.kind), fall.what.reason
-        return r.Snap(event.id, found.s, type, *states, angle, lost, *kind)
+        states = tuple(one.tolist()), tuple(two.tolist())
+        lost, kind = self._released(found.s, before, after), str(fall.what.kind)
+        return r.Snap(event.id, found.s, type, *states, angle, lost, kind, fall.what.reason)
 
     def _at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""

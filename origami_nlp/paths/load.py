@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from origami_nlp.arguments import (
-    check_flag,
-    check_number,
-    check_type,
-    check_until,
-    shown,
-)
+from origami_nlp.arguments import check_flag, check_number, check_type, check_until, shown
 from origami_nlp.continuation import ContinuationOptions
-from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
+from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
 from origami_nlp.paths.driver import driver_of
-from origami_nlp.paths.job import FollowedLoad
+from origami_nlp.paths.job import CUT, FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
@@ -117,9 +111,9 @@ def load_path(
     try:
         for end in ends:
             if hinges:
-                led = go_yielding(job, x, 0.0, end, hinges)
+                led = go_yielding(job, (x, hinges), 0.0, end)
                 if unload and led is not None:
-                    go_yielding(job, led[0], end, 0.0, led[1])
+                    go_yielding(job, led, end, 0.0)
                 continue
             arrived = job.go(x, 0.0, end, once=to == "snap")
             if unload and arrived is not None:
@@ -127,7 +121,7 @@ def load_path(
                 job.go(*arrived, 0.0, once=False)
                 job.low, job.high = over.low, over.high
     except OutOfTime:  # of a descent
-        kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+        kept.alarms.append(CUT)
     except KeyboardInterrupt:
         job.stop()
     if any(one.stopped for one in kept.stages):
@@ -135,7 +129,6 @@ def load_path(
     if job.stopped and not kept.ways:
         raise KeyboardInterrupt
     if not kept.ways and not hinges:
-        late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
+        late = f"seconds = {seconds or 0:g}: the time was over before a leg was followed: give more"
         raise OptionError(kept.alarms[0] if seconds is None else late)
-    found = job.result()
-    return unless_stopped(found, job.stopped)
+    return unless_stopped(job.result(), job.stopped)

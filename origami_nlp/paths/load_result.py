@@ -111,17 +111,16 @@ class LoadPath(Path):
     @property
     def curves(self) -> list[Track]:
         """The legs: stable states."""
-        numbered = enumerate(self.legs, start=1)
-        return [Track("leg", k, leg.points, ["minimum"] * len(leg.points)) for k, leg in numbered]
+        each = [leg.points for leg in self.legs]
+        return [Track("leg", k, p, ["minimum"] * len(p)) for k, p in enumerate(each, start=1)]
 
     @property
     def stations(self) -> list[Station]:
         """The events, and where snaps lead."""
-        numbered = enumerate(self.snaps, start=1)
-        after = [
-            (f"after snap {k}", self.point_at(s.t, s.after), s.certificate) for k, s in numbered
-        ]
-        return super().stations + [Station(*one) for one in after]
+        found = super().stations
+        for k, s in enumerate(self.snaps, start=1):
+            found.append(Station(f"after snap {k}", self.point_at(s.t, s.after), s.certificate))
+        return found
 
     def point_at(self, t: float, fold_angles: Sequence[float]) -> r.PathPoint:
         """Return a state as a point.
@@ -171,10 +170,8 @@ class LoadPath(Path):
     def _happenings(self) -> Iterator[dict[str, Cell]]:
         """Return a row for each start, event, snap and end on the path, in its order."""
         place = replace(self.place, name=self.place.name.partition(" of ")[0])
-        load, form = (
-            replace(self.parameter, name="load").axis,
-            "z.2f" if place.unit == "rad" else ".6g",
-        )
+        load = replace(self.parameter, name="load").axis
+        form = "z.2f" if place.unit == "rad" else ".6g"
         at = {(e.t, e.fold_angles): e for e in self.events}
 
         def row(t: float, said: Cell, *angles: float) -> dict[str, Cell]:
@@ -213,9 +210,8 @@ class LoadPath(Path):
             return f"{words} collapses at {self.legs[-1].points[-1].t:.6g}{unit}: hinges yield"
         if self.snaps:
             at = " and ".join(f"{snap.t:.6g}" for snap in self.snaps)
-            return f"{words} snaps at {at}{unit}, losing {self.dissipated:.6g} J" + " in all" * (
-                len(self.snaps) > 1
-            )
+            whole = " in all" * (len(self.snaps) > 1)
+            return f"{words} snaps at {at}{unit}, losing {self.dissipated:.6g} J{whole}"
         last = [leg for leg in self.legs if leg.why not in GOES_ON]
         ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in last) or "0"
         left = ", where it is left" * any(leg.why != "range" for leg in last)

@@ -23,7 +23,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.paths.parameter_range import meant_by
+from origami_nlp.paths.parameter_range import IN_DEGREES, meant_by
 from origami_nlp.pattern import (
     LAW_PLACES,
     Pattern,
@@ -101,14 +101,11 @@ def with_numbers(of: Stated, values: Mapping[str, float]) -> Scene | Pattern:
     OrigamiError
         If a value does not fit.
     """
-    values = {
-        re.sub(r"_deg(?=\[|$)", "", k): math.radians(v) if re.search(r"_deg(\[|$)", k) else v
-        for k, v in values.items()
-    }
     made: Any = of
-    left = dict(values)
+    bare = {name: IN_DEGREES.sub("", name) for name in values}
+    left = {n: math.radians(values[k]) if n != k else values[k] for k, n in bare.items()}
     if isinstance(made, Example):
-        made = made.make(**{k: left.pop(k) for k in values if k in made.options})
+        made = made.make(**{k: left.pop(k) for k in bare.values() if k in made.options})
     if "ratio" in left:
         k = tuple(_in_ratio(made, left.pop("ratio")))
         made = made.with_springs(k) if isinstance(made, Pattern) else replace(made, stiffness=k)
@@ -121,9 +118,7 @@ def _in_ratio(of: Scene | Pattern, ratio: float) -> list[float]:
     k = np.array(of.stiffness)
     mountain = np.array(of.rest_angles if isinstance(of, Scene) else of.rest) < 0
     if mountain.all() or not mountain.any():
-        raise OptionError(
-            "'ratio' is the stiffness of mountains over that of valleys: there is only one of them"
-        )
+        raise OptionError("'ratio' is of mountains over valleys: there is only one of them")
     log = np.log(k)
     # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
     now = log[mountain].mean() - log[~mountain].mean()
@@ -133,13 +128,9 @@ def _in_ratio(of: Scene | Pattern, ratio: float) -> list[float]:
 
 def _scene_with(scene: Scene, values: Mapping[str, float]) -> Scene:
     """Return a scene with numbers at places, ``alpha`` or ``loads``."""
-    lists: dict[str, list[Any]] = {
-        "stiffness": list(scene.stiffness),
-        "rest_angles": list(scene.rest_angles),
-        "preload": list(scene.preload or (0.0,) * scene.degree),
-        "loads": list(scene.loads),
-        "laws": list(scene.laws),
-    }
+    given = ("stiffness", "rest_angles", "loads", "laws")
+    lists: dict[str, list[Any]] = {name: list(getattr(scene, name)) for name in given}
+    lists["preload"] = list(preload := scene.preload or (0.0,) * scene.degree)
     vertex, sectors = scene.vertex, dict[int, float]()
     for name, t in values.items():
         if name == "alpha":
@@ -159,7 +150,7 @@ def _scene_with(scene: Scene, values: Mapping[str, float]) -> Scene:
                 # of what is stated: an image may be named as well
                 lists["laws"][i] = law_at(scene.laws[i], what, t)
             elif what == "torque":
-                lists["preload"][i] = (scene.preload or (0.0,) * scene.degree)[i] + t
+                lists["preload"][i] = preload[i] + t
             else:
                 lists[what][i] = t
     if sectors:
@@ -174,13 +165,10 @@ def _place(scene: Scene, name: str) -> tuple[str, int]:
     what, number = [*filter(None, match.groups())] if match else (name, "0")
     most = len(scene.loads) if what == "loads" else scene.degree
     if not 1 - (what == name == "loads" and most > 0) <= int(number) <= most:
-        raise OptionError(
-            f"{name!r} is no number of the scene: write ratio, alpha, stiffness[1], rest_angles[1], preload[1], "
-            f"torque[1], sector_angles[1], law_scale[1] or law_shift[1], with entries 1 to "
-            f"{scene.degree}"
-            + (f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else "")
-            + meant_by(name)
-        )
+        known = "stiffness, rest_angles, preload, torque, sector_angles, law_scale or law_shift"
+        more = f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else ""
+        how = f"write ratio, alpha, or {known} with entries 1 to {scene.degree}{more}"
+        raise OptionError(f"{name!r} is no number of the scene: {how}{meant_by(name)}")
     return what, int(number) - 1
 
 
@@ -200,11 +188,8 @@ def _at_alpha(scene: Scene, t: float) -> list[float]:
         slope = np.round(2 * (one - zero))
         origin = zero - 0.5 * slope
         if len(zero) == len(now) and np.abs(origin + now[0] * slope - now).max() <= RESOLVED:
-            found: list[float] = (origin + t * slope).tolist()
-            return found
-    raise OptionError(
-        "'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
-    )
+            return list((origin + t * slope).tolist())
+    raise OptionError("'alpha' needs the sector angles of the families degree6 or degree8")
 
 
 def _with_sectors(vertex: Vertex, given: Mapping[int, float]) -> tuple[float, ...]:

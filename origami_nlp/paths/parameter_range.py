@@ -17,7 +17,7 @@ UNITS = {"stiffness": "N m/rad", "preload": "N m", "torque": "N m"}
 UNITS |= dict.fromkeys(("ratio", "x", "y", "loads", "law_scale"), "")
 UNITS |= dict.fromkeys(("alpha", "rest_angles", "sector_angles", "law_shift"), "rad")
 """Of what can be followed over."""
-_IN_DEGREES = re.compile(r"_deg(?=\[|$)")
+IN_DEGREES = re.compile(r"_deg(?=\[|$)")
 
 
 @dataclass(frozen=True)
@@ -113,11 +113,9 @@ def parse_parameter_range(text: str) -> ParameterRange:
     if not equals or not colon:
         raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     # with ``_deg`` in the name, as in scene files, numbers are degrees
-    bare = _IN_DEGREES.sub("", name.strip())
+    bare = IN_DEGREES.sub("", name.strip())
     unit = "deg" * (bare != name.strip())
-    a, b = (
-        _number(v.strip().removesuffix("deg" if unit else "") + unit, bare) for v in (low, high)
-    )
+    a, b = (_number(v.strip().removesuffix(unit) + unit, bare) for v in (low, high))
     kind, *others = {kind_of(part) for part in bare.split("+")}
     log = kind in ("ratio", "stiffness", "law_scale")
     for wrong, why in (

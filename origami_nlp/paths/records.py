@@ -124,15 +124,18 @@ class PathBranch(ShortRepr):
     points: tuple[PathPoint, ...] = field(repr=False)
     ends: tuple[str, str]
 
-    def kind_at(self, k: int) -> str:
-        """Return what the point at position k is, see `KindRange.kind`."""
-        return next(r.kind for r in self.kind_ranges if r.points[0] <= k <= r.points[1])
+    @property
+    def kinds(self) -> list[str]:
+        """What each point is, see `KindRange.kind`; where ranges meet as the first of them."""
+        most = [(r.kind, r.points[1] + 1) for r in self.kind_ranges]
+        before = [0, *(end for _, end in most)]
+        return [kind for (kind, end), a in zip(most, before, strict=False) for _ in range(a, end)]
 
     def alarms(self) -> list[str]:
         """Say where states of index 0 are no minima."""
-        odd = (r for r in self.kind_ranges if not r.stable and r.kind != "saddle")
-        spans = ((f"{r.t[0]:.6g} to {r.t[1]:.6g}", f"{r.kind}: {r.certificate}") for r in odd)
-        return [f"branch {self.id}, {span}: {what}" for span, what in spans]
+        odd = [r for r in self.kind_ranges if not r.stable and r.kind != "saddle"]
+        where = f"branch {self.id}, "
+        return [f"{where}{r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}" for r in odd]
 
 
 @dataclass(frozen=True)

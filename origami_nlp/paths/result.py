@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -74,19 +74,13 @@ class Path(Report, Viewable):
     @property
     def curves(self) -> list[Track]:
         """What is listed point by point: the branches."""
-        return [
-            Track("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))])
-            for b in self.branches
-        ]
+        return [Track("branch", b.id, b.points, b.kinds) for b in self.branches]
 
     @property
     def stations(self) -> list[Station]:
         """The states that are shown by themselves: the events."""
-        over = self.parameter
-        return [
-            Station(f"event {e.id}: {e.words()} at {over.shown(e.t, 9)}", self.point_of(e), e.note)
-            for e in self.events
-        ]
+        at = [f"event {e.id}: {e.words()} at {self.parameter.shown(e.t, 9)}" for e in self.events]
+        return [Station(a, self.point_of(e), e.note) for a, e in zip(at, self.events, strict=True)]
 
     @property
     def panels(self) -> list[Plot]:
@@ -141,36 +135,31 @@ class Path(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return curves and marks as plain data, see `view`."""
-        content: Content = self._from_room("view_path")(self)  # bodies in space are slow to import
-        return content
+        return cast(Content, self._from_room("view_path")(self))  # bodies are slow to import
 
-    def _rows(self) -> Iterator[dict[str, object]]:
+    def _listed(self) -> Iterator[tuple[dict[str, Any], str, PathPoint]]:
+        """Yield every point with the number of its curve and what it is."""
         for curve in self.curves:
             for p, kind in zip(curve.points, curve.kinds, strict=True):
-                stable = kind in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
-                yield {
-                    curve.word: curve.id,
-                    "parameter": self.parameter.name,
-                    "t": p.t,
-                    "unit": self.parameter.unit,
-                    "kind": kind,
-                    "stable": stable,
-                    **({} if math.isnan(p.angle) else {"angle": p.angle}),
-                    "energy_J": p.energy,
-                    "eigenvalue_N_m_per_rad": p.eigenvalue,
-                    **angle_columns(p.fold_angles),
-                }
+                yield {curve.word: curve.id}, kind, p
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        over = self.parameter
+        for number, kind, p in self._listed():
+            row = number | {"parameter": over.name, "t": p.t, "unit": over.unit, "kind": kind}
+            row["stable"] = kind in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
+            row |= {} if math.isnan(p.angle) else {"angle": p.angle}
+            row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
+            yield row | angle_columns(p.fold_angles)
 
     def to_fold(self) -> dict[str, Any]:
         """Return all points as FOLD data (spec 1.1), one frame each, in order."""
         frames, over = [], self.parameter
-        for curve in self.curves:
-            for p, kind in zip(curve.points, curve.kinds, strict=True):
-                title = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
-                known: dict[str, Any] = {curve.word: curve.id, "parameter": p.t}
-                known |= {"energy": p.energy, "kind": kind}
-                whole = self.origami_at(p.t), p.fold_angles, f"{title}: {kind}"
-                frames.append(state_frame(*whole, **known))
+        for number, kind, p in self._listed():
+            ((word, k),) = number.items()
+            title = f"{word} {k}, {over.name} = {p.t:.9g} {over.unit}".rstrip() + f": {kind}"
+            known = number | {"parameter": p.t, "energy": p.energy, "kind": kind}
+            frames.append(state_frame(self.origami_at(p.t), p.fold_angles, title, **known))
         return states_to_fold(self.origami_at(over.low), frames)
 
 

@@ -6,17 +6,11 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from origami_nlp.arguments import (
-    check_callback,
-    check_flag,
-    check_type,
-    check_until,
-    check_whole,
-)
+from origami_nlp.arguments import check_callback, check_flag, check_type, check_until, check_whole
 from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, Line
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped
@@ -116,9 +110,7 @@ def follow(
         others = " and ".join(map(str, whole.windings[1:]))
     found = follow_family(family_of(whole, stated), until=until, progress=progress, **asked)
     if others:  # each winding is a problem of its own
-        more = (
-            f"states that wind {others} times round the axis are not followed: state their winding"
-        )
+        more = f"states that wind {others} times round are not followed: state their winding"
         found = replace(found, alarms=(*found.alarms, more))
     return unless_stopped(found, found.stopped)
 
@@ -137,36 +129,28 @@ def follow_family(
 
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
-    survey = _Survey(family, full, options, until, progress or (lambda _: None))
+    say, steps = progress or (lambda _: None), options or family.steps
+    survey = _Survey(family, full, say, steps=steps, until=until)
     try:
         survey.run(checks, search)
     except KeyboardInterrupt:
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
         survey.stop()
-    atlas: Atlas = survey.result()
-    return atlas
+    return cast(Atlas, survey.result())
 
 
 class _Survey(FollowedDiagram):
     """Searches and what they start, until the atlas is made."""
 
-    def __init__(
-        self,
-        family: Family,
-        full: bool,
-        steps: ContinuationOptions | None,
-        until: float,
-        say: Callable[[str], object],
-    ) -> None:
+    def __init__(self, family: Family, full: bool, say: Any, **options: Any) -> None:
         self._say, self.family = say, family
         self._free: Line | None = None
-        options: Any = {"steps": steps or family.steps, "until": until, "progress": self._followed}
         if full and family.symmetric:
             free = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2)
             self._free = free.line
             options["functions"] = [("breaks-symmetry", self.across)]
-        super().__init__(family.line, family.parameter, **options)
+        super().__init__(family.line, family.parameter, progress=self._followed, **options)
         self._known = dict[Equilibrium, float]()
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
@@ -187,11 +171,10 @@ class _Survey(FollowedDiagram):
         if frame not in self._known:
             state = State(self._free.at(frame.s), frame.problem.expand(frame.state))
             pieces = state.pieces if frame.hold else ((),)
-            scene = self.family.scene_of(self.parameter.low)
-            found = (
-                breaking_stiffnesses(state, scene, pieces[0]) if len(pieces) == 1 else [math.nan]
-            )
-            self._known[frame] = min(found, default=math.inf)
+            scene, found = self.family.scene_of(self.parameter.low), math.nan
+            if len(pieces) == 1:
+                found = min(breaking_stiffnesses(state, scene, pieces[0]), default=math.inf)
+            self._known[frame] = found
         return self._known[frame]
 
     def run(self, checks: int, search: dict[str, Any]) -> None:
@@ -215,7 +198,7 @@ class _Survey(FollowedDiagram):
     def _compare(self, t: float, result: MinimaResult) -> None:
         """Follow what is new among the minima of a search, and note what does not fit."""
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
-        missed, met, followed = 0, list[np.ndarray](), self._minima(s)
+        missed, met, followed = 0, list[np.ndarray](), self.frames_at(s, saddles=False)
         for minimum in result.minima:
             if self.late:  # each of many states takes long to begin with
                 break
@@ -227,7 +210,7 @@ class _Survey(FollowedDiagram):
                     self.alarms.append(f"{at}: a minimum lies on a branch of saddles")
                     continue
                 self.add(x, s, "minimum")
-                followed = self._minima(s)
+                followed = self.frames_at(s, saddles=False)
             met.append(x)
         for frame in [] if self.late else followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
@@ -240,10 +223,6 @@ class _Survey(FollowedDiagram):
         known = "" if result.completeness is None else result.completeness.status
         complete = OUT_OF_TIME if result.search.left_out else known
         self.checks.append(SearchCheck(t, len(result.minima), len(followed), missed, complete))
-
-    def _minima(self, s: float) -> list[Equilibrium]:
-        """Return the states of branches at s that may be minima, each once."""
-        return self.frames_at(s, lambda frame: not frame.index)
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy of the scene: it counts what it took to wind preloaded springs."""

@@ -67,14 +67,10 @@ class Ways(FollowedDiagram):
     def given(self, x: np.ndarray, s: float) -> int | None:
         """Return the node at which the state x was given at s; None where it was not."""
         point = np.append(x, s)
-        begun = (k for k, node in enumerate(self.nodes) if node.halves)
-        return next(
-            (k for k in begun if np.abs(self.nodes[k].point - point).max() <= SETTLED), None
-        )
+        begun = ((k, node.point) for k, node in enumerate(self.nodes) if node.halves)
+        return next((k for k, at in begun if np.abs(at - point).max() <= SETTLED), None)
 
-    def walk(
-        self, x: np.ndarray, s: float, toward: float, end: float, last: int = -1
-    ) -> Run | None:
+    def walk(self, x: Any, s: float, toward: float, end: float, last: int = -1) -> Run | None:
         """Go from the stable state x at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
         None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the
@@ -92,8 +88,8 @@ class Ways(FollowedDiagram):
             if not known:
                 return None
             number, frame = known[0]
-            ends = self.arcs[number].start, self.arcs[number].end
-            near = min(ends, key=lambda k: abs(self.nodes[k].s - s))
+            arc = self.arcs[number]
+            near = min((arc.start, arc.end), key=lambda k: abs(self.nodes[k].s - s))
             arcs = ahead() if self.resume(near, toward) else []
             if not arcs:
                 return Run(self, (frame,), near, self._why(near, end), toward)
@@ -125,12 +121,9 @@ class Ways(FollowedDiagram):
     def _onward(self, node: int, arc: int, toward: float) -> list[int]:
         """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
         at = self.nodes[node].s
-        every = (k for k in self.meeting(node) if k != arc and not self.arcs[k].index)
+        every = [k for k, a in enumerate(self.arcs) if node in (a.start, a.end)]
+        every = [k for k in every if k != arc and not self.arcs[k].index]
         return [k for k in every if (self._far(k, toward) - at) * toward > 0]
-
-    def meeting(self, node: int) -> list[int]:
-        """Return the arcs that begin or end at a node."""
-        return [k for k, arc in enumerate(self.arcs) if node in (arc.start, arc.end)]
 
     def _far(self, arc: int, toward: float) -> float:
         """The end of an arc that lies farthest in a direction."""
@@ -146,10 +139,8 @@ class Ways(FollowedDiagram):
             return f"stopped: {found.why or 'closure or contacts lose rank'}"
         return "snap"
 
-    def release(
-        self, node: SpecialPoint, toward: float
-    ) -> tuple[np.ndarray, float, Classification] | str:
-        """Descend from the end of a way, a little beyond its load: the minimum, its load, certificate; or why none."""
+    def release(self, node: SpecialPoint, toward: float) -> Fall | str:
+        """Descend from the end of a way, a little beyond its load: where to, or why to no minimum."""
         phi, why = node.point[:-1], ""
         posed: Any = self.line.problem
         span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
@@ -176,7 +167,7 @@ class Ways(FollowedDiagram):
                     what = classified(problem, end)
                     minimum = not lost and what.verdict == "minimum"
                     if minimum and singular_beside(problem, end) is None:
-                        return end, s, what
+                        return Fall(end, s, what)
                     why = lost or what.reason
         finally:
             posed.until = math.inf

@@ -71,16 +71,10 @@ class YieldingHinges:
         borne = np.abs(hinges.torque(phi))
         for i, law in enumerate(stated.laws or [None] * len(k)):
             if law is not None and np.isfinite(most[i]):
-                why = "has a hinge law: springs yield"
-                raise OptionError(
-                    f"yield_torque of crease {i + 1} = {most[i]:.6g}: the crease {why}"
-                )
+                raise OptionError(f"yield_torque: crease {i + 1} has a hinge law: springs yield")
             if law is None and borne[i] > most[i]:
-                raise OptionError(
-                    f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
-                    f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges "
-                    "have after yielding"
-                )
+                why = f"bears {borne[i]:.6g} N m in state {state or 'given'} at load 0 already"
+                raise OptionError(f"yield_torque = {most[i]:.6g} N m: crease {i + 1} {why}")
         return hinges
 
     @property
@@ -122,7 +116,8 @@ class YieldingHinges:
         """Return an event of this stage with the creases that it is of."""
         full = (self.full(np.array(event.fold_angles)) != 0) & ~self.yielding
         which = {HOLDS: self.yielding, YIELDS: full}.get(event.type)
-        return event if which is None else replace(event, contact=creases_named(which))
+        who = event.contact if which is None else creases_named(which)
+        return replace(event, contact=who, branches=())
 
     @property
     def events(self) -> list[tuple[str, Any]]:
@@ -141,12 +136,8 @@ class YieldingHinges:
         p, on = line.start, self.yielding
         # preload is part of the rest angle
         held = np.where(on, self.preload - self.torque(self.since), 0.0)
-        start = replace(
-            p,
-            stiffness=np.where(on, 0.0, p.stiffness),
-            rest=p.rest + self.moved,
-            load=p.load + held / line.problem.scale,
-        )
+        k, load = np.where(on, 0.0, p.stiffness), p.load + held / line.problem.scale
+        start = replace(p, stiffness=k, rest=p.rest + self.moved, load=load)
         return replace(line, problem=line.problem.varied(start), start=start)
 
 
@@ -161,13 +152,14 @@ def creases_named(which: np.ndarray) -> str:
     return head + ", ".join(map(str, numbers)) if numbers else ""
 
 
-def go_yielding(
-    path: FollowedLoad, x: np.ndarray, t: float, end: float, hinges: YieldingHinges
-) -> tuple[np.ndarray, YieldingHinges] | None:
-    """Load the state x [N] from t to `end`, hinges all elastic at first; return where it arrives, None before that."""
-    toward, kept = 1.0 if end > t else -1.0, path.record
+Stage = tuple[np.ndarray, YieldingHinges]
+
+
+def go_yielding(path: FollowedLoad, begun: Stage, t: float, end: float) -> Stage | None:
+    """Load a state [N] from t to `end`, hinges all elastic at first; return where it arrives, None before that."""
+    (x, hinges), toward, kept = begun, 1.0 if end > t else -1.0, path.record
     for _ in range(MOST_STAGES):
-        job = _begin(path, x, t, toward, hinges)
+        job = _begin(path, (x, hinges), t, toward)
         if job is None:
             return None
         kept.stages.append(job)
@@ -187,10 +179,9 @@ def go_yielding(
     return None
 
 
-def _begin(
-    path: FollowedLoad, x: np.ndarray, t: float, toward: float, hinges: YieldingHinges
-) -> FollowedLoad | None:
+def _begin(path: FollowedLoad, begun: Stage, t: float, toward: float) -> FollowedLoad | None:
     """Return what is followed from a state on, with the hinges that go on yielding; None where it collapses."""
+    x, hinges = begun
     full = hinges.full(x)
     yielding, seen = full != 0, set[bytes]()
     while yielding.tobytes() not in seen:
@@ -211,10 +202,8 @@ def _begin(
         yielding = onward
     if path.record.ways:
         path.record.ways[-1] = path.record.ways[-1]._replace(why=COLLAPSE, fall=None)
-    path.record.alarms.append(
-        f"at load {t:.6g} {creases_named(full)} yield{'' if np.count_nonzero(full) > 1 else 's'} and no stable "
-        "state goes on: the state collapses; how far hinges yield then is decided by its speed, and is not followed"
-    )
+    why = "no stable state goes on: the state collapses; how far hinges yield then is not followed"
+    path.record.alarms.append(f"at load {t:.6g}, where {creases_named(full)} yield, {why}")
     return None
 
 

@@ -38,11 +38,8 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
     pandas = require("pandas", "reading a sweep", "sweep", SweepError)
     rows = read_store(folder)[1]
     with readable(folder):
-        states = [
-            {"scene": k, **row["parameters"], **state}
-            for k, row in rows.items()
-            for state in row["states"]
-        ]
+        each = ((k, row, state) for k, row in rows.items() for state in row["states"])
+        states = [{"scene": k, **row["parameters"], **state} for k, row, state in each]
         return pandas.DataFrame(states).astype({"energy_J": float, "closure": float})
 
 

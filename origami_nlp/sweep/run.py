@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
+from origami_nlp.arguments import check_callback, check_path, check_type, check_until, check_whole
 from origami_nlp.errors import OrigamiError, OutOfTime, SweepError
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Store
@@ -122,25 +122,20 @@ def run_sweep(
         check_type("executor", executor, Executor)
     if workers is not None:
         check_whole("workers", workers, 1)
-    if seconds is not None:
-        check_number("seconds", seconds, 0.0)
     check_callback("progress", progress)
-    begin = time.perf_counter()
-    until = math.inf if seconds is None else time.monotonic() + seconds
+    begin, until = time.perf_counter(), check_until(seconds)
     with Store(folder, sweep) as store:
         pool = worker_pool(workers) if executor is None else executor
         before = sum(status != "failed" for status in store.status.values())
         ran, interrupted = 0, True
         try:
-            for ran, states in _walk(sweep, store, pool, workers or _size(pool), until):
+            for ran, states in _walk(store, pool, workers or _size(pool), until):
                 if progress:
                     progress(before + ran, sweep.count, states)
             interrupted = False
         except BrokenExecutor:
-            raise SweepError(
-                f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "
-                "the same command goes on; fewer --workers need less memory"
-            ) from None
+            died = f"a worker died after {ran:,} scenes (killed, or out of memory)"
+            raise SweepError(f"{died}: the same command goes on; fewer --workers may do") from None
         except (KeyboardInterrupt, OutOfTime):
             pass
         finally:
@@ -158,10 +153,9 @@ def _size(pool: Any) -> int:
     return int(count or os.cpu_count() or 1)
 
 
-def _walk(
-    sweep: Sweep, store: Store, pool: Executor, workers: int, until: float
-) -> Iterator[tuple[int, int]]:
+def _walk(store: Store, pool: Executor, workers: int, until: float) -> Iterator[tuple[int, int]]:
     """Run what is left, and give after each scene how many were run, and how many minima they have."""
+    sweep = store.sweep
     waiting = (k for k in range(sweep.count) if store.status.get(k, "failed") == "failed")
     running, ran, states = set[Future[Any]](), 0, 0
     try:

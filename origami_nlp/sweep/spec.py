@@ -203,12 +203,12 @@ class Sweep:
         A larger symmetry that single values happen to have (equal rest angles) is not imposed there: numbers of
         states along an axis would not count the same thing.
         """
-        values, alike = {}, self.search["mode"] == "list"
+        values, each = {}, self.search["mode"] == "grid"
         for k, axis in enumerate(self.axes):
             a = axis.values[0]
             b = next((v for v in axis.values if v != a), a)
             # no rational relation between axes
-            values[axis.name] = a + math.exp(-1.0 - (0 if alike else k)) * (b - a)
+            values[axis.name] = a + math.exp(-1.0 - k * each) * (b - a)
         with contextlib.suppress(OrigamiError):
             if getattr(made := self._made(values), "symmetry", "") == "auto":
                 return made  # type: ignore[return-value]
@@ -227,8 +227,7 @@ class Sweep:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
         axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
         whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
-        data: dict[str, Any] = json.loads(json.dumps(whole))
-        return data
+        return dict(json.loads(json.dumps(whole)))
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -323,9 +322,8 @@ def _read(of: str, stated: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return base
 
 
-def _sprung(make: Any, *springs: Any, **options: Any) -> Pattern:
-    made: Pattern = make(**options).with_springs(*springs)
-    return made
+def _sprung(make: Any, *springs: Any, **options: Any) -> Any:
+    return make(**options).with_springs(*springs)
 
 
 def _axis(stated: Mapping[str, Any], where: str) -> Axis:
@@ -344,9 +342,7 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where} needs values, or from, to and count")
     if spaced:
         if missing := {"from", "to", "count"} - {*spaced}:
-            raise SweepError(
-                f"{where}.{min(missing)} is missing: give values, or from, to and count"
-            )
+            raise SweepError(f"{where}.{min(missing)} is missing: give from, to and count")
         low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
         count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
         if scale == "log" and min(low, high) <= 0:

@@ -43,7 +43,7 @@ class Store:
     """
 
     def __init__(self, folder: str | Path, sweep: Sweep) -> None:
-        path, where = Path(folder) / FILE, f"--folder {str(folder)!r}"
+        self.sweep, path, where = sweep, Path(folder) / FILE, f"--folder {str(folder)!r}"
         stated = {"schema": SCHEMA, **sweep.to_dict()}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -58,10 +58,7 @@ class Store:
         except sqlite3.OperationalError as error:
             if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                 raise SweepError(f"{where} cannot be used: {error}") from None
-            why = (
-                "is in use: another process runs a sweep there; wait for its end, or choose another"
-            )
-            raise SweepError(f"{where} {why}") from None
+            raise SweepError(f"{where} is in use: another process runs a sweep there") from None
         except (OSError, sqlite3.Error) as error:
             raise SweepError(f"{where} cannot be used: {error}") from None
         self.status: dict[int, str] = {}

@@ -1,12 +1,10 @@
 """The command line as a whole: as a module, its help, what it writes."""
 
 import json
-import os
 
 import pytest
 
 import origami_nlp
-from origami_nlp.cli.output import Output
 from tests.command_line import run
 from tests.fold_files import disc
 
@@ -28,33 +26,6 @@ def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_write
         ]
         energies = [[m["energy"] for m in one] for one in found]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
-
-
-def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
-    good = tmp_path / "a.json"
-    kinds = ("json", "figure", "csv", "html")
-    for files, word in (
-        ([good, tmp_path / "none" / "a.csv"], "does not exist"),
-        ([good, tmp_path / "a.gif"], "must end in one of .json, .png"),
-        ([good, tmp_path / "a"], "must end in one of .json, .png"),
-        ([good, good], "is the file of -o too"),
-        (["-.png"], "only text goes to standard output"),
-    ):
-        with pytest.raises(origami_nlp.OrigamiError, match=word):
-            Output([*map(str, files)], kinds)
-    assert not os.listdir(tmp_path)
-    out = Output([str(good), str(tmp_path / "a.csv")], kinds)
-    out.write("json", lambda number: {"x": number}, 1)
-    out.write("csv", str.upper, "text")
-    out.write("html", lambda: pytest.fail("nobody asked for it"))
-    assert json.loads(good.read_text()) == {"x": 1} and (tmp_path / "a.csv").read_text() == "TEXT"
-    reported = capsys.readouterr()
-    assert reported.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.csv'}"]
-    out = Output(["-", str(tmp_path / "b.csv")], kinds)
-    out.write("json", lambda: [1])
-    out.write("csv", lambda: "b")
-    reported = capsys.readouterr()
-    assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.csv'}\n"
 
 
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):

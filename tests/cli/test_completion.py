@@ -19,13 +19,6 @@ def program(tmp_path_factory):
     return {**os.environ, "PATH": path, "PYTHONPATH": root}
 
 
-def bash(program, script):
-    line = ["bash", "--norc", "-c", script]
-    done = subprocess.run(line, env=program, capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and not done.stderr, done.stderr
-    return done.stdout.splitlines()
-
-
 EACH = """
 import contextlib, os, sys
 from origami_nlp.cli import main
@@ -55,10 +48,3 @@ def test_zsh_is_told_words_with_what_they_mean_or_files(program):
     assert not rest
     for shown, out in zip(asked.values(), reported, strict=True):
         assert shown in out and (shown == "_files") == ("_arguments" not in out)
-
-
-def test_completion_is_installed_for_bash_where_it_reads_it(program, tmp_path):
-    home = {**program, "HOME": str(tmp_path)}
-    reported = bash(home, "origami-nlp --install-completion; . ~/.bashrc; complete -p origami-nlp")
-    assert reported[-1] == "complete -o default -F _origami_nlp_completion origami-nlp"
-    assert f"source '{tmp_path}/.bash_completions/" in (tmp_path / ".bashrc").read_text()

@@ -44,13 +44,6 @@ def test_a_search_keeps_to_its_limit_of_wall_time_and_says_so():
     assert result.search.stopped_by == "time" and result.flags.search_stopped_early
 
 
-def test_a_limit_that_is_not_reached_changes_nothing():
-    scene = examples.degree6("pi/4", ratio=0.01)
-    free, bounded = (find_minima(scene, max_starts=16, seconds=s) for s in (None, 3600.0))
-    assert [m.fold_angles for m in free.minima] == [m.fold_angles for m in bounded.minima]
-    assert free.completeness.status == bounded.completeness.status
-
-
 def test_what_is_not_judged_in_the_full_space_is_undecided_by_name():
     scene = examples.degree6("pi/4", ratio=0.01)
     result = find_minima(scene, full=True, seconds=0.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import mpmath as mp
 import numpy as np
 import pytest
 
@@ -115,74 +114,6 @@ def test_the_moment_of_a_contact_ends_where_a_closed_form_says():
     a = math.acos(1 / 3)
     assert node.type == "leaves"
     assert math.exp(node.s) == pytest.approx((math.pi - 2 * a) / (math.pi - a), rel=1e-14)
-
-
-def test_a_crease_closes_where_fifty_digits_say():
-    web, states = over_ratio("5*pi/12", 1, 10)
-    for x in states:
-        web.add(x, 0.0)
-    node = next(n for n in events(web) if n.type == "closes")
-    assert math.exp(node.s) == pytest.approx(float(closing_ratio(node)), rel=1e-14)
-
-
-def closing_ratio(node):
-    """Solve balance and closure with phi_2 = pi for angles, forces and ratio, from rotations alone."""
-    with mp.workdps(40):
-        angles = [mp.pi * v / 12 for v in (5, 2, 5, 5, 2, 5)]
-        rest, many = [mp.pi / 2, mp.pi / 2, -mp.pi, mp.pi / 2], (1, 2, 2, 1)
-
-        def turn(a, i, j):
-            m = mp.eye(3)
-            m[i, i] = m[j, j] = mp.cos(a)
-            m[i, j], m[j, i] = -mp.sin(a), mp.sin(a)
-            return m
-
-        def closure(x):
-            m = mp.eye(3)
-            for a, v in zip(angles, (x[0], x[1], x[2], x[3], x[2], x[1]), strict=True):
-                m = m * turn(v, 1, 2) * turn(a, 0, 1)
-            return m[0, 1] - m[1, 0], m[1, 2] - m[2, 1]
-
-        def slopes(x):
-            h = mp.mpf(10) ** -14
-            out = []
-            for i in range(4):
-                up, down = list(x), list(x)
-                up[i] += h
-                down[i] -= h
-                out.append(
-                    [(p - q) / (2 * h) for p, q in zip(closure(up), closure(down), strict=True)]
-                )
-            return out
-
-        def system(x1, x3, x4, l1, l2, push, log):
-            x = [x1, mp.pi, x3, x4]
-            k = [mp.exp(-log / 2)] * 2 + [mp.exp(log / 2), mp.exp(-log / 2)]
-            d = slopes(x)
-            balance = [
-                many[i] * k[i] * (x[i] - rest[i]) - l1 * d[i][0] - l2 * d[i][1] for i in range(4)
-            ]
-            balance[1] += push
-            return [*closure(x), *balance, push]
-
-        x = node.point[:-1]
-        d = np.array([[float(v) for v in row] for row in slopes([mp.mpf(v) for v in x])])
-        k = np.exp(node.s * np.array([-0.5, -0.5, 0.5, -0.5]))
-        lam = np.linalg.lstsq(d, k * many * (x - [float(v) for v in rest]), rcond=None)[0]
-        start = [x[0], x[2], x[3], *lam, 0.0, node.s]
-        found = mp.findroot(system, [mp.mpf(v) for v in start], tol=1e-22)
-        return mp.exp(found[6])
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_handles_and_the_book_fold_are_followed():
-    web, states = over_ratio("pi/3", 0.5, 50)
-    for x in states:
-        assert web.add(x, 0.0, "minimum")
-    assert not events(web)
-    assert len(web.arcs) == 2 * len(states)
-    for _, frame in web.states_at(math.log(20)):
-        assert classify(State(frame.problem, frame.state)).verdict == "minimum"
 
 
 def test_a_contact_that_never_carries_leaves_at_the_first_load():

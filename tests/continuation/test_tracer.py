@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from origami_nlp.continuation import SINGULAR, ContinuationOptions, End, Trace, trace
+from origami_nlp.continuation import CLOSED_CURVE, SINGULAR, ContinuationOptions, End, Trace, trace
 
 STEPS = ContinuationOptions(first=1e-2, longest=0.1, shortest=1e-10, turn=0.05, sharpest=0.2)
 
@@ -88,7 +88,7 @@ def test_a_closed_curve_ends_where_it_began_and_has_its_length(angle: float) -> 
     start = (math.cos(angle), math.sin(angle))
     coarse, fine = (traced(CIRCLE, start, replace(STEPS, turn=turn)) for turn in (0.08, 0.02))
     for found in (coarse, fine):
-        assert found.closed and found.behind == 0
+        assert found.end == CLOSED_CURVE and found.behind == 0
         assert np.abs(found.states[-1] - start).max() == 0 == found.s[0]
         assert (np.diff(found.s) > 0).all() and np.diff(found.s).max() < 2 * STEPS.longest
         assert np.abs(np.linalg.norm(found.states, axis=1) - 1).max() < 1e-14
@@ -100,7 +100,7 @@ def test_a_closed_curve_ends_where_it_began_and_has_its_length(angle: float) -> 
 @pytest.mark.parametrize("low", [0.3, -0.5, -0.9999])
 def test_an_end_is_bisected_to_the_shortest_step(low: float, together: int) -> None:
     found = traced(CIRCLE, (1.0, 0.0), replace(STEPS, together=together, turn=0.02), leaves(low))
-    assert found.start == found.end == "left" and not found.closed
+    assert found.start == found.end == "left"
     assert (found.states[:, 0] >= low).all()
     slope = math.sqrt(1 - low * low)
     assert found.states[[0, -1], 0] - low == pytest.approx(0, abs=2 * STEPS.shortest * slope)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -109,17 +107,6 @@ def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
     assert "nonsmooth-fold" in html and "branch 2" in html
 
 
-@pytest.mark.slow  # a survey of several seconds
-def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
-    """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
-    atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full=False)
-    (event,) = [e for e in atlas.events if e.type == "closes"]
-    assert math.degrees(event.t) == pytest.approx(50.34254652, abs=1e-8)
-    alone = [e for e in atlas.events if e.type == "singular"]
-    assert len(alone) == 2 and all(e.t == math.pi / 3 for e in alone)  # handles, at pi/3 only
-    assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
-
-
 @pytest.mark.slow  # seconds of curves or searches
 def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     """By an equation at the flat state alone; by the points of the curve on both sides, whose size is linear in t."""
@@ -136,18 +123,6 @@ def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     apart, size = np.array(near).T
     assert apart.min() < 0 < apart.max() and len(near) > 4
     assert np.polyfit(apart, size, 2)[-1] == pytest.approx(0, abs=1e-4)
-
-
-@pytest.mark.slow  # a survey of several seconds
-def test_where_a_contact_leaves_the_curve_may_turn_back_by_a_small_angle():
-    """Pinned and free states both go on to larger t: a snap, with a minimum more beyond it than before."""
-    atlas = follow(generic(2, 6), "creases.rest_angles[1]=1.2:1.4", checks=1)
-    (event,) = atlas.events
-    assert event.type == "nonsmooth-fold" and event.located
-    counts = [
-        compare(atlas, event.t + e) + len(minima(atlas.at(event.t + e))) for e in (-0.05, 0.05)
-    ]
-    assert counts[1] == counts[0] + 1
 
 
 @pytest.mark.slow  # a survey of several seconds
@@ -231,31 +206,6 @@ def test_lines_are_the_scenes_of_a_family():
             )
             at = np.array(family.scene_of(parameter.t_of(s)).vertex.sector_angles)
             assert problem.parameters.sectors == pytest.approx(at, abs=1e-13)
-
-
-CASES = {
-    "pi/4": (lambda: o.examples.degree6("pi/4"), "ratio=0.01:100"),
-    "pi/3": (lambda: o.examples.degree6("pi/3"), "ratio=0.01:100"),
-    "5pi/12": (lambda: o.examples.degree6("5*pi/12"), "ratio=0.01:100"),
-    "alpha below": (lambda: o.examples.degree6("pi/4"), "alpha=30deg:60deg"),
-    "alpha above": (lambda: o.examples.degree6("5*pi/12"), "alpha=60.001deg:89.99deg"),
-    "degree 4": (lambda: generic(3, 4), "creases.rest_angles[1]=-pi:pi"),
-    "degree 5": (lambda: generic(1, 5), "creases.rest_angles[1]=-pi:pi"),
-    "degree 8 ratio": (lambda: o.examples.degree8("pi/6"), "ratio=0.01:100"),
-    "degree 8 alpha": (lambda: o.examples.degree8("pi/6"), "alpha=5deg:85deg"),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_branches_are_what_thorough_searches_find_at_forty_points(name):
-    make, text = CASES[name]
-    atlas = follow(make(), text, checks=4)
-    parameter = atlas.parameter
-    for s in np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), 40):
-        assert compare(atlas, parameter.t_of(float(s)), effort="thorough") >= 0
-    for e in atlas.events:
-        assert e.located or e.note
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 
 from origami_nlp import draw, examples, load_path
 from origami_nlp.continuation import ContinuationOptions
@@ -51,28 +50,6 @@ def stiffness(scene, creases, t, phi):
     return balance, np.linalg.eigvalsh(hessian)
 
 
-def rest(scene, creases, t, near):
-    """The minimum under torques t that SLSQP comes to from beside a state, begun anew where it stops."""
-    k, load = np.array(scene.stiffness), np.zeros(len(near))
-    load[np.array(creases) - 1] = t
-    at = near + 1e-2 * np.random.default_rng(0).normal(size=len(near))
-    for _ in range(3):
-        at = minimize(
-            lambda phi: (0.5 * k @ (phi - scene.rest_angles) ** 2 - load @ phi) / k[0],
-            at,
-            jac=lambda phi: (k * (phi - scene.rest_angles) - load) / k[0],
-            constraints={
-                "type": "eq",
-                "fun": lambda phi: closure(scene, phi),
-                "jac": lambda phi: slopes(scene, phi).T,
-            },
-            method="SLSQP",
-            options={"ftol": 1e-14, "maxiter": 500},
-        ).x
-    assert np.abs(closure(scene, at)).max() < 1e-9
-    return at
-
-
 def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there():
     """By hand: along a = -b / sqrt(1/2) the energy of springs and load is level at the flat state."""
     scene = examples.waterbomb()
@@ -85,43 +62,6 @@ def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there
     assert not np.any(found.legs[0].points[-1].fold_angles)
     assert np.degrees(snap.after) == pytest.approx([-90, 0, 0, -90, 0, 0], abs=1e-6)
     assert snap.released == pytest.approx(k * (np.pi / 2) ** 2, rel=1e-9)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-@pytest.mark.parametrize(
-    ("name", "creases", "to", "type_"),
-    [
-        ("waterbomb", (1, 4), 0.09, "fold"),
-        ("waterbomb_base", (1, 3, 5, 7), 0.08, "branching"),
-    ],
-)
-def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, type_):
-    scene, found = getattr(examples, name)(), path(name, 1, to)
-    first, second = found.legs[:2]
-    assert first.why == "pitchfork" and second.why == "snap" and not found.alarms
-    (snap,) = found.snaps  # where branches leave continuously nothing is lost, and nothing snaps
-    assert snap.type == type_ and snap.released > 1e-4
-    # one stiffness vanishes at the pitchfork and at the snap, none at states between them, nor behind
-    ends = [(first.points[-1].t, first.points[-1].fold_angles), (snap.t, snap.before)]
-    last = first.points[-1].t
-    inner = (first.points[3], *second.points[::4])
-    inner = [(p.t, p.fold_angles) for p in inner if min(abs(p.t - last), abs(snap.t - p.t)) > 1e-3]
-    for t, phi in ends:
-        balance, soft = stiffness(scene, creases, t, np.array(phi))
-        assert balance < 1e-9 and abs(soft[0]) < 1e-6 and soft[1] > 1e-3
-    assert len(inner) > 3
-    for t, phi in inner:
-        balance, soft = stiffness(scene, creases, t, np.array(phi))
-        assert balance < 1e-9 and soft[0] > 1e-4
-    assert stiffness(scene, creases, snap.t, np.array(snap.after))[1][0] > 1e-3
-    # SLSQP: before the snap it comes to the state of the path, beyond it to that after the snap or an image of it
-    before, after = np.array(snap.before), np.array(snap.after)
-    near = min(second.points, key=lambda p: abs(p.t - 0.97 * snap.t))
-    phi = np.array(near.fold_angles)
-    assert rest(scene, creases, near.t, phi) == pytest.approx(phi, abs=1e-5)
-    end = rest(scene, creases, 1.02 * snap.t, before)
-    images = [np.roll(after[::s], k) for s in (1, -1) for k in range(len(after))]
-    assert min(np.abs(end - image).max() for image in images) < 0.15
 
 
 def test_a_pitchfork_is_one_event_and_its_two_branches_are_images():

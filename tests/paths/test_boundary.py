@@ -9,12 +9,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.paths import (
-    Plane,
-    find_bifurcation_set,
-    follow_family,
-)
-from tests.paths.regions import find_regions
+from origami_nlp.paths import Plane, find_bifurcation_set, follow_family
 
 
 @pytest.fixture(scope="module")
@@ -50,21 +45,6 @@ def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
 def test_every_event_of_a_line_lies_on_a_curve(contact):
     for line in contact.lines:
         assert line.events and all(number for _, number in line.events)
-
-
-@pytest.mark.slow  # a survey of several seconds
-def test_regions_are_counted_on_both_sides(contact):
-    """As many states with and without the contact, of other kinds; what lies on which side, by the curve itself."""
-    regions = find_regions(contact)
-    assert len(regions) == 2 and all(r.agrees for r in regions)
-    assert 0.97 < sum(r.share for r in regions) <= 1
-    assert regions[0].minima == regions[1].minima == 2 and regions[0].kinds != regions[1].kinds
-    (curve,) = contact.curves
-    alpha, ratio = np.array(sorted((p.t[1], math.log(p.t[0])) for p in curve.points)).T
-    above = [math.log(r.t[0]) > np.interp(r.t[1], alpha, ratio, left=9.0) for r in regions]
-    assert sorted(above) == [False, True]
-    for region, carried in zip(regions, above, strict=True):
-        assert ("contact-pinned" in region.kinds) == carried
 
 
 @pytest.mark.slow

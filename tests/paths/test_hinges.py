@@ -175,12 +175,6 @@ def test_a_linear_law_has_the_path_of_the_spring(seed):
     same_path(*(o.load_path(s, 1) for s in (plain, of_laws(plain))))
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
-    plain = o.examples.degree6("5*pi/12")
-    same_path(*(o.load_path(s, 1, to=0.05) for s in (plain, of_laws(plain))))
-
-
 def test_a_snap_is_where_a_scan_loses_the_state():
     law = double_well(1.0, 1.0)
     scene = replace(random_scene(seed=4), laws=(law,) * 4)

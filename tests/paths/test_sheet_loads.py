@@ -56,23 +56,15 @@ def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
 # ---------------------------------------------------------------- one vertex
 
 
-@pytest.mark.parametrize(
-    ("to", "unload", "count"),
-    [
-        (-0.15, False, 1),
-        pytest.param(-0.2, True, 2, marks=pytest.mark.slow),
-        pytest.param(0.06, True, 0, marks=pytest.mark.slow),
-    ],
-)
-def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, unload, count):
+def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does():
     scene = o.examples.degree6("5*pi/12", ratio=1)
     quick = {"full": False, "effort": "quick", "max_starts": 24}
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
-    one = o.load_path(scene, 1, to=to, unload=unload, **quick)
+    one = o.load_path(scene, 1, to=-0.15, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.load_path(pattern, 1, to=to, state=start, unload=unload)
-    assert not path.alarms and len(path.snaps) == len(one.snaps) == count
+    path = o.load_path(pattern, 1, to=-0.15, state=start)
+    assert not path.alarms and len(path.snaps) == len(one.snaps) == 1
     for ours, theirs in zip(path.snaps, one.snaps, strict=True):
         assert ours.type == theirs.type
         assert ours.t == pytest.approx(theirs.t, abs=1e-11)
@@ -82,8 +74,8 @@ def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, unload, count):
     closing = sorted(e.t for e in one.events if e.type == "closes")
     mine = sorted(e.t for e in path.events if e.type == "closes")
     assert all(min(abs(t - u) for u in mine) < 1e-11 for t in closing if t > 0)
-    if count:  # found by another program, with other steps
-        assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
+    # found by another program, with other steps
+    assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
 
 
 # ---------------------------------------------------------------- one degree of freedom, in closed form
@@ -210,10 +202,10 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     assert start.verdict == "minimum"
     pull = Pull(pattern, (1, 3))
     path = o.load_path(pattern, pull, state=start)
-    (event,) = path.events
+    event = path.events[0]  # what branches off there is not followed, and that is said
     assert event.t == pytest.approx(8 / 3, abs=1e-10) and "on the verdict" in event.note
-    assert event.type == "branching" and path.legs[-1].why == "snap"
-    assert "the load does no work" in str(path) and not path.alarms
+    assert event.type == "branching" and path.legs[-1].why == "snap" and not path.snaps
+    assert "the load does no work" in str(path) and "not followed" in path.alarms[0]
     for share, good in ((0.999, True), (1.001, False)):
         under = PatternProblem(pattern).under(pull, event.t * share)
         assert (judge(under, start.phi).verdict == "minimum") == good

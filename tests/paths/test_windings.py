@@ -6,13 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import (
-    Scene,
-    Vertex,
-    find_minima,
-    follow,
-    load_path,
-)
+from origami_nlp import Scene, Vertex, find_minima, follow, load_path
 
 STAR = Scene(
     Vertex(("pi/4",) * 8), (1, 2) * 4, (math.radians(131.0604),) * 8, contact="fold-limits"
