@@ -57,7 +57,7 @@ paper cone count --degree 6 --rest-elevation 0.3
 SLOW = """
 minima miura:2x2 --starts 1 -o pattern.json
 follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 -o follow.json
-boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 -o set.json
+boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02:0.03 -o set.json
 barriers scene.toml -o barriers.json
 landscape degree6.toml --size 33 -o landscape.pdf
 landscape degree6.toml --critical
@@ -65,7 +65,7 @@ landscape degree6.toml --space
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper cone count --full --degree 6 --rest-elevation 0.3
-paper cone foldings --degree 6 -o cone.png
+paper cone foldings --degree 6 -o cone.json
 """
 """Left out by ``--quick``."""
 EXTRAS = {"design": "clarabel", "minima.glb": "trimesh"}

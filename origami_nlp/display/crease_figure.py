@@ -93,7 +93,7 @@ def draw_pattern(frame: Frame, *, axes: Axes | None = None) -> Figure:
     if here is None:
         height = float(np.clip(6.0 * extent[1] / max(extent[0], NONZERO), 2.0, 9.0))
         here = Figure(figsize=(6.0, height + 0.5), layout="constrained").add_subplot()
-    figure: Any = here.get_figure(root=True)
+    figure: Any = here.figure.figure  # of axes in part of a figure the whole one
     handles = draw_creases(here, xy, frame.edges, frame.assignment)
     numbers = [v.number for v in fold_vertices(frame)[0]]
     around = [withStroke(linewidth=2.5, foreground="white")]

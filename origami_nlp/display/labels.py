@@ -42,7 +42,7 @@ def label_marks(
     """
     if not marks:
         return
-    figure = axes.get_figure(root=True)
+    figure: Any = axes.figure.figure  # of axes in part of a figure the whole one
     renderer = FigureCanvasAgg(figure).get_renderer()
     point = figure.dpi / 72
     groups: list[_Mark] = []
