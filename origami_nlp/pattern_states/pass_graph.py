@@ -11,7 +11,7 @@ import itertools
 import math
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -81,6 +81,11 @@ class PassGraph:
     inner: frozenset[int] = frozenset()
 
     @cached_property
+    def _parts(self) -> dict[int, np.ndarray]:
+        """Of the levels of the edges, by number, what hangs together below."""
+        return {}
+
+    @cached_property
     def energies(self) -> np.ndarray:
         """Of the states, [V]."""
         return np.asarray(self.problem.energies(self.states) / self.problem.scale)
@@ -104,8 +109,9 @@ class PassGraph:
     @cached_property
     def sure(self) -> PassGraph:
         """The same of the edges that are sure."""
-        some = tuple(e for e in self.edges if e.sure)
-        return PassGraph(self.problem, self.minima, self.states, some, self.open, self.inner)
+        some = replace(self, edges=tuple(e for e in self.edges if e.sure))
+        vars(some)["energies"] = self.energies
+        return some
 
     def heights(self) -> np.ndarray:
         """Energy of the lowest pass between two minima, [M, M]; inf where no way leads from one to the other."""
@@ -132,7 +138,10 @@ class PassGraph:
 
         def reaches(at: int) -> bool:
             """Whether a way that climbs no higher than a level leads to an end."""
-            part = groups(len(ends), self.pairs[self.height <= levels[at]])
+            if at not in self._parts:  # which is asked of many pairs of minima
+                below = self.pairs[self.height <= levels[at]]
+                self._parts[at] = groups(len(ends), below)
+            part = self._parts[at]
             return bool(ends[part == part[k]].any())
 
         # the higher the level, the more hangs together
@@ -157,9 +166,8 @@ class PassGraph:
                 highest = int(self.problem.energies(way.states).argmax())
                 least[highest] = way.energy / self.problem.scale
             edges += map(Edge, along, along[1:], np.maximum(least[:-1], least[1:]).tolist())
-        return PassGraph(
-            self.problem, self.minima, np.array(states), tuple(edges), self.open, frozenset(inner)
-        )
+        made = {"states": np.array(states), "edges": tuple(edges), "inner": frozenset(inner)}
+        return replace(self, **made)  # type: ignore[arg-type]
 
 
 def graph_of_curves(
