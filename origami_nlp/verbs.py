@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_path, check_type, check_until, refuse, shown
+from origami_nlp.arguments import check_angles, check_path, check_type, check_until
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 
@@ -21,19 +21,9 @@ if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
     from origami_nlp.minima import MinimaResult
     from origami_nlp.paths import LoadPath
-    from origami_nlp.pattern import Stated
+    from origami_nlp.pattern import Contact, Stated
     from origami_nlp.proof import ProofOptions
     from origami_nlp.search import SearchOptions
-
-CONTACTS = {"full": True, "fold-limits": False}
-"""What a pattern's contact may be: whether facets must not cross; folds end at pi always."""
-_OF_A_PATTERN = {
-    "contact": "a scene states its contact itself",
-}
-_OF_A_SCENE = {
-    "full": "states of a pattern keep no symmetry: each is judged among all of them",
-}
-"""What only the one or the other takes, and why."""
 
 
 def find_minima(
@@ -45,7 +35,7 @@ def find_minima(
     max_starts: int | None = None,
     starts: int | None = None,
     guesses: Sequence[np.ndarray] | None = None,
-    contact: str | None = None,
+    contact: Contact | None = None,
     full: bool | None = None,
     prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
@@ -83,11 +73,11 @@ def find_minima(
     starts
         Random starts in a row that find nothing new, in place of the effort.
     contact
-        Of a pattern: ``"full"``, or ``"fold-limits"``: facets may cross.
+        In place of the one that is stated: ``"full"``, or ``"fold-limits"``: facets may cross.
     guesses
         States to start from first, fold angles [N] [rad] each: ``search.refused`` says why one is no minimum.
     full
-        Of a scene, judge each without the symmetry; None: up to 12 creases and 64 states.
+        Judge each without an imposed symmetry as well; None: up to 12 creases and 64 states.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT on the same problem, from one start after
         the other.
@@ -104,7 +94,7 @@ def find_minima(
     Raises
     ------
     OptionError
-        If an argument is not what it must be, or the other kind alone takes it.
+        If an argument is not what it must be.
     KeyboardInterrupt
         If the user interrupts it, in a notebook as well; its attribute ``result`` holds what was found, a
         `MinimaResult`: ``except KeyboardInterrupt as stop: found =
@@ -119,16 +109,12 @@ def find_minima(
     5
     """
     until = check_until(seconds)
-    from origami_nlp.pattern import Scene, as_origami
+    from origami_nlp.pattern import as_origami
     from origami_nlp.pattern_states import find_states
 
     stated = as_origami(origami)
-    if isinstance(stated, Scene):
-        refuse("scene", _OF_A_PATTERN, contact=contact)
-    else:
-        refuse("pattern", _OF_A_SCENE, full=full)
     return find_states(
-        stated,
+        stated if contact is None else stated.with_contact(contact),
         seed=seed,
         effort=effort,
         options=options,
@@ -139,21 +125,12 @@ def find_minima(
         noise=noise,
         prove=prove,
         starts=starts,
-        contact=contact is None or _facets_apart(contact),
         guesses=() if guesses is None else guesses,
         full=full,
         method=method,
         progress=progress,
         found=found,
     )
-
-
-def _facets_apart(contact: object) -> bool:
-    """Return whether facets of a pattern must not cross."""
-    if not isinstance(contact, str) or contact not in CONTACTS:
-        known = " or ".join(map(repr, CONTACTS))
-        raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
-    return CONTACTS[contact]
 
 
 def classify(

@@ -28,7 +28,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
 
 MOST_PAIRS = 30
@@ -119,7 +119,8 @@ class Barriers(Report, Viewable):
     @property
     def scene(self) -> Scene | None:
         """The scene; None of a pattern."""
-        return None if self.result.is_pattern else self.result.scene
+        stated = self.result.origami
+        return stated if isinstance(stated, Scene) else None
 
     @property
     def interrupted(self) -> bool:
@@ -238,7 +239,10 @@ class Barriers(Report, Viewable):
         if self.left_out:
             ended = "interrupted" if self.stopped else OUT_OF_TIME
             yield f"{ended}, not through with: {', '.join(self.left_out)}"
-        if self.result.is_pattern and getattr(self.result.search, "contact", "") == "full":
+        if (
+            isinstance(self.result.origami, Pattern)
+            and getattr(self.result.search, "contact", "") == "full"
+        ):
             signs = PopSigns(self.result.pattern)
             for p in self.passes:
                 for vertex, _ in signs.crossed(p.path):

@@ -30,8 +30,8 @@ from origami_nlp.display import (
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, State, classify
-from origami_nlp.minima import KINDS, MinimaResult, full_scene
-from origami_nlp.pattern_problem import pose
+from origami_nlp.minima import KINDS, MinimaResult
+from origami_nlp.pattern import Pattern
 
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
@@ -222,7 +222,7 @@ def find_contacts(
     if state is not None:
         check_whole("state", state, 1, len(result.minima))
     check_flag("segments", segments)
-    if segments and result.is_pattern:
+    if segments and isinstance(result.origami, Pattern):
         raise OptionError(
             "segments = True: contact boundaries are followed for one vertex, not a pattern"
         )
@@ -240,7 +240,7 @@ def _pinned(result: MinimaResult, number: int) -> PinnedState:
     at = result.state_of(minimum)
     margin = load_margin(at)
     breaking: tuple[float, ...] = ()
-    if result.is_pattern:
+    if isinstance(result.origami, Pattern):
         judged = classify(at)
         contacts, stiffness, alone = (
             judged.contacts,
@@ -250,9 +250,9 @@ def _pinned(result: MinimaResult, number: int) -> PinnedState:
     else:
         contacts, stiffness = minimum.contacts, minimum.hessian_eigenvalues
         alone = minimum.local_dimension == 0
-        if not result.scene.group.is_trivial:
-            whole = State(pose(full_scene(result.scene)), np.array(minimum.fold_angles))
-            breaking = breaking_stiffnesses(whole, result.scene)
+        if result.model.orbits is not None:
+            whole = State(result.model.whole, np.array(minimum.fold_angles))
+            breaking = breaking_stiffnesses(whole, result.model)
     if alone:
         why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
         margin = replace(margin, status="unbounded", norm=math.inf, reason=why)

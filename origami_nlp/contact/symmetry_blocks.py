@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import symmetry_blocks
+from origami_nlp.minima import permutations, symmetry_blocks
 from origami_nlp.numerics import BALANCED
-from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
 
 
 def breaking_stiffnesses(
-    state: State, scene: Scene, contacts: tuple[Contact, ...] | None = None
+    state: State, symmetric: Any, contacts: tuple[Contact, ...] | None = None
 ) -> tuple[float, ...]:
-    """Return the stiffnesses of a state against motions that break the symmetry of a scene.
+    """Return the stiffnesses of a state against motions that break the symmetry of another problem.
 
     Parameters
     ----------
     state
         Of all N fold angles, in equilibrium.
-    scene
-        Whose symmetry the state keeps.
+    symmetric
+        The problem whose symmetry the state keeps.
     contacts
         Those closed at the state, where they are known; the state looks for them otherwise.
 
@@ -36,7 +36,9 @@ def breaking_stiffnesses(
     held = _loaded(state, contacts)
     if held is None:
         return (math.nan,)
-    return symmetry_blocks(scene, held.tangent, held.hessian, state.problem.scale)[1]
+    return symmetry_blocks(
+        permutations(symmetric), held.tangent, held.hessian, state.problem.scale
+    )[1]
 
 
 def _loaded(state: State, contacts: tuple[Contact, ...] | None) -> Stratum | None:

@@ -66,7 +66,7 @@ def check(
 
 def _extra(found: MinimaResult, asked: dict[int, str]) -> Iterator[ExtraMinimum]:
     """Go through the minima that are not among those asked for, by number from 0, with what they are images of."""
-    images = find_images(found.origami, found.minima)
+    images = find_images(found.origami, found.model, found.minima)
     first = [images.get(k, (k, ""))[0] for k in range(1, len(found.minima) + 1)]
     of = {first[k]: f"state {name}" for k, name in asked.items() if k >= 0}
     for k, m in enumerate(found.minima):

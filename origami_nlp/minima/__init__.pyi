@@ -3,7 +3,7 @@ from .account import (
     MEETINGS as MEETINGS,
     SearchReport as SearchReport,
 )
-from .canonical import canonical_states as canonical_states, moves_of as moves_of
+from .canonical import canonical_states as canonical_states
 from .completeness import (
     Added as Added,
     Completeness as Completeness,
@@ -18,10 +18,10 @@ from .fold_out import (
 )
 from .full_space import (
     FullSpace as FullSpace,
-    full_scene as full_scene,
     hessian_spectra as hessian_spectra,
     is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
+    permutations as permutations,
     symmetry_blocks as symmetry_blocks,
     with_full_space as with_full_space,
 )

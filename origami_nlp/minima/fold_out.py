@@ -13,7 +13,7 @@ from origami_nlp.arguments import require
 from origami_nlp.errors import OptionError
 from origami_nlp.io import write_whole
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Origami
 from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
 Part: TypeAlias = tuple[np.ndarray, np.ndarray]
@@ -21,7 +21,7 @@ Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
-def minima_to_fold(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> dict[str, Any]:
+def minima_to_fold(origami: Origami, minima: Sequence[JudgedState]) -> dict[str, Any]:
     """Return minima as FOLD data (spec 1.1).
 
     States that are unstable in the full space are followed, after all states, by the frames of their descents.

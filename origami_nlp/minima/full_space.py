@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,10 +18,11 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL
-from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search import DescentPath, descent_path
 
+Group: TypeAlias = Sequence[tuple[str, np.ndarray]]
+"""Permutations of creases by their names, the identity first."""
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
 MOST_STATES = 64
@@ -87,20 +88,15 @@ class FullSpace(ShortRepr):
     lands_on: LandsOn | None = None
 
 
-def full_scene(scene: Scene) -> Scene:
-    """Return the same vertex, springs and contact without imposed symmetry."""
-    return replace(scene, symmetry="none", mirror=None, winding=None)
-
-
-def is_affordable(scene: Scene, states: int) -> bool:
-    """Return whether so many states of a scene are judged in the full space without being asked.
+def is_affordable(problem: PatternProblem, states: int) -> bool:
+    """Return whether so many states of a problem are judged in the full space without being asked.
 
     Without imposed symmetry there is nothing to judge.  A verdict takes 1 ms (4 creases) to 0.3 s (12 creases) where
     the state is stable; the search that found it takes 0.1 s to 20 s.
 
     Parameters
     ----------
-    scene
+    problem
         With its symmetry.
     states
         How many.
@@ -114,30 +110,32 @@ def is_affordable(scene: Scene, states: int) -> bool:
     --------
     >>> import origami_nlp as o
     >>> from origami_nlp.minima import is_affordable
-    >>> scene = o.examples.degree6("pi/3")
-    >>> is_affordable(scene, 4), is_affordable(scene, 1000)
+    >>> problem = o.pose(o.examples.degree6("pi/3"))
+    >>> is_affordable(problem, 4), is_affordable(problem, 1000)
     (True, False)
     """
-    asked = not scene.group.is_trivial
-    return asked and scene.degree <= MOST_CREASES and states <= MOST_STATES
+    many = problem.pattern.creases
+    return problem.orbits is not None and many <= MOST_CREASES and states <= MOST_STATES
 
 
 def judge_in_full_space(
-    scene: Scene, fold_angles: np.ndarray, others: tuple[np.ndarray, ...] = ()
+    problem: PatternProblem, fold_angles: np.ndarray, others: tuple[np.ndarray, ...] = ()
 ) -> FullSpace:
-    """Decide a symmetric minimum of `scene` in the full contact-admissible space.
+    """Decide a minimum among symmetric states in the full contact-admissible space.
 
     Parameters
     ----------
+    problem
+        Of the symmetric states.
     fold_angles
         All N fold angles of the state.
     others
-        Fold angles of the scene's symmetric minima, in order, to name where a descent lands.
+        Fold angles of the symmetric minima, in order, to name where a descent lands.
     """
-    model = pose(full_scene(scene))
+    model, group = problem.whole, permutations(problem)
     x = np.asarray(fold_angles, dtype=float)
     state = State(model, x)
-    known = FullSpace("undecided", "", None, 0, *hessian_spectra(state, scene))
+    known = FullSpace("undecided", "", None, 0, *hessian_spectra(state, group))
     what = classify(state)
     if what.verdict == "minimum":
         found: Any = {"kind": what.kind, "local_dimension": what.local_dimension}
@@ -150,7 +148,7 @@ def judge_in_full_space(
         return replace(known, certificate=why)
     steps = zip(path.states, path.energies, strict=True)
     descent = tuple(Step(tuple(state.tolist()), float(energy)) for state, energy in steps)
-    mode = mode_symmetry(scene, path.states[1] - path.states[0])
+    mode = mode_symmetry(problem, path.states[1] - path.states[0])
     known = replace(known, verdict="unstable", unstable_mode=mode, descent=descent)
     if not path.arrives:
         why = f"lower states exist, but the descent stopped at no minimum: {path.what.reason}"
@@ -168,77 +166,71 @@ def _landing(path: DescentPath, others: tuple[np.ndarray, ...]) -> LandsOn:
     )
 
 
-def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
-    """Return the crease permutations of the scene's imposed group, with a name for each.
+def permutations(problem: PatternProblem) -> list[tuple[str, np.ndarray]]:
+    """Return the crease permutations of the imposed group, with a name for each.
 
     Rotations are named by their angle, mirrors by the creases (or facets) on them.
     """
-    n = scene.degree
-    i = np.arange(n)
-    out = []
-    for s, mirrored in scene.group.elements:
-        if mirrored:
-            fixed = [str(j + 1) for j in range(n) if (2 * j - s) % n == 0]
-            name = f"mirror through crease{'s' * (len(fixed) > 1)} {', '.join(fixed)}"
-            out.append((name if fixed else "mirror through facets", (s - i) % n))
-        else:
-            turn = 360 * s // n
-            out.append(("identity" if s == 0 else f"rotation by {turn} deg", (i + s) % n))
+    n, pattern = problem.pattern.creases, problem.pattern
+    number = {frozenset(pair): c for c, pair in enumerate(pattern.ends.tolist())}
+    out = [("identity", np.arange(n))]
+    for image in problem.orbits.images if problem.orbits else ():
+        to = np.array([number[frozenset(image.corners[pair].tolist())] for pair in pattern.ends])
+        on = [str(c + 1) for c in np.flatnonzero(to == np.arange(n))]
+        name = f"rotation by {360 * int(to[0]) // n} deg"
+        if image.turns < 0:
+            creases = f"crease{'s' * (len(on) > 1)} {', '.join(on)}" if on else "facets"
+            name = f"mirror through {creases}"
+        out.append((name, to))
     return out
 
 
-def with_full_space(
-    scene: Scene, problem: PatternProblem, states: Sequence[Any], full: bool | None
-) -> list[Any]:
+def with_full_space(problem: PatternProblem, states: Sequence[Any], full: bool | None) -> list[Any]:
     """Add the verdict in the full space to each minimum among judged states.
 
     full: whether, None: where it is affordable.
     """
     minima = [s.phi for s in states if s.verdict == "minimum"]
-    if not (is_affordable(scene, len(minima)) if full is None else full):
+    if not (is_affordable(problem, len(minima)) if full is None else full):
         return list(states)
 
     def verdict(x: np.ndarray) -> FullSpace:
         if time.monotonic() > problem.until:
             return FullSpace("undecided", f"{OUT_OF_TIME} before it was judged")
         try:
-            return judge_in_full_space(scene, x, tuple(minima))
+            return judge_in_full_space(problem, x, tuple(minima))
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             return FullSpace("undecided", f"linear algebra failed where it was judged: {error}")
 
     return [replace(s, full_space=verdict(s.phi)) if s.verdict == "minimum" else s for s in states]
 
 
-def mode_symmetry(scene: Scene, direction: np.ndarray) -> str:
-    """Return which elements of the scene's group a change of the fold angles keeps."""
-    size = float(np.abs(direction).max())
-    kept = [
-        name
-        for name, p in permutations(scene)
-        if np.abs(direction[p] - direction).max() <= KEPT * size
-    ]
-    if len(kept) == len(permutations(scene)):
-        return f"keeps {scene.group.name}"
+def mode_symmetry(problem: PatternProblem, direction: np.ndarray) -> str:
+    """Return which elements of the imposed group a change of the fold angles keeps."""
+    least, group = KEPT * float(np.abs(direction).max()), permutations(problem)
+    kept = [name for name, p in group if np.abs(direction[p] - direction).max() <= least]
+    if len(kept) == len(group):
+        return f"keeps {problem.symmetry}"
     kept.remove("identity")
     return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
 
 
 def symmetry_blocks(
-    scene: Scene, tangent: np.ndarray, hessian: np.ndarray, scale: float
+    group: Group, tangent: np.ndarray, hessian: np.ndarray, scale: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return rising eigenvalues of a Hessian [N, N] on a tangent space [N, t], and on its part that breaks a symmetry.
 
     The part is orthogonal to symmetric perturbations (paper, appendix A); eigenvalues are times `scale`.
     """
     # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
-    average = np.mean([np.eye(scene.degree)[p] for _, p in permutations(scene)], axis=0)
+    average = np.mean([np.eye(len(tangent))[p] for _, p in group], axis=0)
     share, vectors = np.linalg.eigh(tangent.T @ average @ tangent)
     spaces = tangent, tangent @ vectors[:, share <= 0.5]
     whole, breaking = ((np.linalg.eigvalsh(z.T @ hessian @ z) * scale).tolist() for z in spaces)
     return tuple(whole), tuple(breaking)
 
 
-def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def hessian_spectra(state: State, group: Group) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the `symmetry_blocks` of a state in the full space on the tangent space of closure.
 
     The Hessian is that of the Lagrangian with the multipliers of smallest norm.  Both are empty where closure loses
@@ -253,4 +245,4 @@ def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tupl
     balance = state.gradient - piece.slopes.T @ mu.smallest
     lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
     hessian = piece.hessian_with(np.concatenate([lam, mu.smallest]))
-    return symmetry_blocks(scene, state.kernel, hessian, state.problem.scale)
+    return symmetry_blocks(group, state.kernel, hessian, state.problem.scale)

@@ -11,7 +11,7 @@ from origami_nlp.chart import Place
 from origami_nlp.display import RING, label_marks, mark_minimum, minima_legend
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import judged
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Origami
 
 FAMILY = 1.3
 """Size of the ring around a family against a star's."""
@@ -37,7 +37,7 @@ class Drawn(NamedTuple):
 
 
 def drawn_minima(
-    origami: Scene | Pattern, minima: Sequence[JudgedState], places: Sequence[Place]
+    origami: Origami, minima: Sequence[JudgedState], places: Sequence[Place]
 ) -> list[Drawn]:
     """Return the minima that a chart has a place for.
 

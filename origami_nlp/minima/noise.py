@@ -70,7 +70,6 @@ def downhill(
 
 def with_survival(
     problem: PatternProblem,
-    labels: CanonicalLabelling,
     states: Sequence[JudgedState],
     degrees: float,
     engine: Callable[[Any], Any] | None = None,
@@ -84,8 +83,6 @@ def with_survival(
     ----------
     problem
         The exact one, of all fold angles.
-    labels
-        Of its creases.
     states
         Judged.
     degrees
@@ -100,6 +97,7 @@ def with_survival(
         With `survival` where they are minima.
     """
     minima = [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
+    labels = problem.labels
     aside = labels.drawn(np.sin(1.0 + np.arange(problem.size)))
     down = engine or way_down
 
@@ -194,7 +192,8 @@ def _noisy(
     p, paper, flat = problem.parameters, problem.pattern, problem.flattened
     sectors, moved = np.zeros_like(p.sectors), np.zeros(3)
     if len(sectors) and moves:
-        facets = (labels.order - labels.mirrored) % len(sectors)
+        beside = np.sort(np.stack([labels.rank, np.roll(labels.rank, -1)]), axis=0)
+        facets = np.lexsort(beside[::-1])
         # the sum of sector angles stays
         sectors[facets] = first - first.mean()
     elif flat is not None and moves:

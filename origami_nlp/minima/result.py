@@ -102,21 +102,15 @@ class MinimaResult(Report, Viewable):
     ALSO = ("model", "flags", "lattices")
 
     def __post_init__(self) -> None:
-        stated = self.origami
-        if isinstance(stated, Scene):
-            if self.relations is not None and self.relations != stated.relations:
-                stated = replace(stated, relations=self.relations)
-                object.__setattr__(self, "origami", stated)
-            object.__setattr__(self, "relations", stated.relations)
+        stated: Any = self.origami
+        if self.relations is not None and self.relations != stated.relations:
+            stated = replace(stated, relations=self.relations)
+            object.__setattr__(self, "origami", stated)
+        object.__setattr__(self, "relations", stated.relations)
         if self.model is None:
             object.__setattr__(self, "model", pattern_problem.pose(stated))
 
     # ------------------------------------------------------------ what is folded
-
-    @property
-    def is_pattern(self) -> bool:
-        """Whether a pattern is folded, not one vertex."""
-        return isinstance(self.origami, Pattern)
 
     @property
     def scene(self) -> Scene:
@@ -135,7 +129,7 @@ class MinimaResult(Report, Viewable):
     @property
     def name(self) -> str:
         """Of what is folded: the label of a scene, the name of a pattern."""
-        return self.origami.label if isinstance(self.origami, Scene) else self.origami.name
+        return self.origami.label
 
     @property
     def title(self) -> str:
@@ -178,16 +172,16 @@ class MinimaResult(Report, Viewable):
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
         """Of a cell that repeats its folded lattice, or tube, in each minimum, and how it gives way; else nothing."""
-        if not isinstance(self.origami, Pattern) or self.origami.cell is None:
+        if self.origami.cell is None:
             return ()
-        lattice = pattern_problem.measured_cell(self.origami)
+        lattice = pattern_problem.measured_cell(self.origami.paper)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
     @property
     def flags(self) -> ResultFlags:
         """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
         search, known = self.search, self.completeness
-        one = self.origami if isinstance(self.origami, Scene) else None
+        one = self.origami
         proved = known.status if known else ""
         settled = proved in ("proved", "proved-except-singular")
         return ResultFlags(
@@ -204,11 +198,11 @@ class MinimaResult(Report, Viewable):
                 m.solver and m.solver.status != "Solve_Succeeded" for m in self.minima
             ),
             residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
-            geometry_moved=bool(one and one.relations.made_exact),
-            made_symmetric=bool(one and one.adjusted > 0),
+            geometry_moved=bool(one.relations and one.relations.made_exact),
+            made_symmetric=one.adjusted > 0,
             facets_may_cross=search.contact != "full",
-            panels_simplified=bool(one and one.panels),
-            copies_curl=one is None and bool((c := self.pattern.cell) and c.rolled == (0, 0)),
+            panels_simplified=bool(one.panels),
+            copies_curl=bool(one.cell and one.cell.rolled == (0, 0)),
             stability_not_asked=any(verdict(self.origami, m) == NOT_ASKED for m in self.minima),
         )
 
@@ -316,7 +310,7 @@ class MinimaResult(Report, Viewable):
     @cached_property
     def rows(self) -> tuple[StateRow, ...]:
         """The minima as tables, frames and captions of pictures have them."""
-        images = find_images(self.origami, self.minima)
+        images = find_images(self.origami, self.model, self.minima)
         return state_rows(self.origami, self.name, self.minima, images)
 
     def table(self) -> Table:
@@ -334,7 +328,7 @@ class MinimaResult(Report, Viewable):
             yield lattice_table(self.lattices[:MOST_LINES])
         shown = [row.number for row in self.rows if not row.image]
         yield from angle_lines(self.minima, shown[:MOST_LINES])
-        yield from getattr(self.origami, "load_lines", ())
+        yield from self.origami.load_lines
         yield from proof.open_lines() if proof else ()
         yield from () if proof and proof.proved else self.search.open_lines()
         more = replace(table, rows=rest, title="further states") if rest else None
@@ -357,10 +351,9 @@ class MinimaResult(Report, Viewable):
         if others := (*self.undecided, *self.search.refused, *crossing):
             yield record_table(others[:MOST_LINES], "states that are not listed")
         yield field_table(self.search, "search")
-        if self.is_pattern:
-            open_ = self.model.equation_count - self.pattern.creases
-            stress = sorted({open_ + s.dof for s in self.minima})
-            yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
+        open_ = self.model.equation_count - self.model.size
+        stress = sorted({open_ + s.dof for s in self.minima})
+        yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
         yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
@@ -381,7 +374,7 @@ class MinimaResult(Report, Viewable):
             The piece.
         """
         reported = pieces_html(self.report_sections())
-        if not picture or not (self.minima or isinstance(self.origami, Scene)):
+        if not picture or not self.minima:
             return reported
         figure = self._from_room(self.PICTURE)(self, size=SIZE)  # pictures are slow to import
         data = base64.b64encode(figure_bytes(figure, "png", DPI)).decode("ascii")

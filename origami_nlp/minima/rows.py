@@ -14,7 +14,7 @@ from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import ROUNDED, residual_words
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Origami
 
 MOST_NAMES = 6
 """Creases, or pairs of facets, that a cell names."""
@@ -110,7 +110,7 @@ def rounded(energy: float, scale: float) -> float:
     return energy if abs(energy) > ROUNDED * scale else 0.0
 
 
-def energy_unit(origami: Scene | Pattern) -> float:
+def energy_unit(origami: Origami) -> float:
     """Return the energy [J] whose rounding is not printed: of springs that turn by 1 rad, of laws within the limits."""
     mean, laws = float(np.mean(origami.stiffness)), origami.laws
     each = zip(laws, *origami.limit_angles, strict=True) if laws else ()
@@ -118,7 +118,7 @@ def energy_unit(origami: Scene | Pattern) -> float:
 
 
 def state_rows(
-    origami: Scene | Pattern,
+    origami: Origami,
     name: str,
     minima: Sequence[JudgedState],
     images: Mapping[int, tuple[int, str]],

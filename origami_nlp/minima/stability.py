@@ -8,25 +8,25 @@ symmetry breaks (of the 43 in the paper's panels, five are), and `minima.full_sp
 from __future__ import annotations
 
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Origami
 
 NOT_ASKED = "not asked"
 
 
-def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
+def verdict(origami: Origami, minimum: JudgedState) -> str:
     """Return what is known of a minimum in the full space.
 
     ``stable``, ``unstable`` or ``undecided``; ``not asked`` where nobody did; and empty without imposed symmetry
-    and with less than full contact, where the model's own space is all that there is.  A pattern has no symmetry.
+    and with less than full contact, where the model's own space is all that there is.
     """
     if minimum.full_space is not None:
         return minimum.full_space.verdict
     if origami.is_symmetric:
         return NOT_ASKED
-    return "stable" if isinstance(origami, Pattern) or origami.contact == "full" else ""
+    return "stable" if origami.contact == "full" else ""
 
 
-def judged(origami: Scene | Pattern, minimum: JudgedState) -> str | None:
+def judged(origami: Origami, minimum: JudgedState) -> str | None:
     """Return `verdict` as marks of minima show it, a key of `display.VERDICTS`: None where nobody asked."""
     known = verdict(origami, minimum)
     return None if known == NOT_ASKED else known

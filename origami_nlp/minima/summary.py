@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.escapes import Move
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, SHALLOW
-from origami_nlp.pattern import Pattern, Scene, symmetries
+from origami_nlp.pattern import Origami
+from origami_nlp.pattern_problem import PaperSymmetry, PatternProblem, image
 from origami_nlp.search import CLOSES_NOT
 
 LEAST = f"{SHALLOW:.0e}".replace("e-0", "e-")
@@ -40,14 +39,14 @@ COUNTED = (
 
 
 def find_images(
-    origami: Scene | Pattern, minima: Sequence[JudgedState]
+    origami: Origami, problem: PatternProblem, minima: Sequence[JudgedState]
 ) -> dict[int, tuple[int, str]]:
     """Return which minima are images of earlier ones under a symmetry of the creases and their springs.
 
     Parameters
     ----------
-    origami, minima
-        A scene or a pattern, and its minima.
+    origami, problem, minima
+        What is folded, posed, and its minima.
 
     Returns
     -------
@@ -59,8 +58,10 @@ def find_images(
         return {}
     phi = np.array([m.fold_angles for m in minima])
     found: dict[int, tuple[int, str]] = {}
-    for move, words in _symmetries(origami):
-        moved = move(phi)
+    x = problem.reduce(phi)
+    # where a state has a symmetry itself several take it there: the plainest one is named
+    for move in sorted(problem.labels.symmetries, key=lambda s: (s.sign < 0, s.mirrored)):
+        words, moved = _words(move), problem.expand(image(move, x))
         for k, there in enumerate(moved):
             if k + 1 in found:
                 continue
@@ -83,24 +84,17 @@ def _first(found: dict[int, tuple[int, str]], number: int) -> tuple[int, str]:
     return first, f"{words if direct else 'image'} of {first}"
 
 
-def _symmetries(origami: Scene | Pattern) -> Iterator[tuple[Move, str]]:
-    if isinstance(origami, Pattern):
-        from origami_nlp.pattern_problem import find_labels, image
-
-        for to in find_labels(origami).symmetries(origami):
-            yield partial(image, to), "image"
-        return
-    # where a state has a symmetry itself several take it there: the plainest one is named
-    for one in sorted(symmetries(origami), key=lambda g: (g.over, g.backward, g.start)):
-        words = "mirror image" if one.backward else "rotated copy" if one.start else "copy"
-        yield one.back, words + ", turned over," * one.over
+def _words(symmetry: PaperSymmetry) -> str:
+    moves = (symmetry.to != np.arange(len(symmetry.to))).any()
+    words = "mirror image" if symmetry.mirrored else "rotated copy" if moves else "copy"
+    return words + ", turned over," * (symmetry.sign < 0)
 
 
 # ---------------------------------------------------------------- words
 
 
 def verdict_words(
-    origami: Scene | Pattern,
+    origami: Origami,
     minima: Sequence[JudgedState],
     completeness: Completeness | None,
     search: SearchReport,
@@ -119,14 +113,12 @@ def verdict_words(
         ones = ("state" if not parts else "one") + "s" * (shallow > 1)
         parts.append(f"{shallow} shallow {ones} (barrier below {LEAST} of sum k pi^2/2)")
         parts[-2:] = [", and ".join(parts[-2:])]
-    notes = [f"symmetry {origami.group.name} kept"] if origami.is_symmetric else []  # type: ignore[union-attr]
+    notes = [f"symmetry {origami.group.name} kept"] if origami.is_symmetric else []
     notes += [ASSUMED[search.contact], PROVED.get(status) or search.open_words]
     return f"{'; '.join(parts)} ({', '.join(notes)})"
 
 
-def _none_words(
-    origami: Scene | Pattern, completeness: Completeness | None, search: SearchReport
-) -> str:
+def _none_words(origami: Origami, completeness: Completeness | None, search: SearchReport) -> str:
     """Say that there is no stable state, or why that is not decided."""
     if completeness and completeness.proved and not search.undecided:
         # of what is bounded and closed one state has least energy
@@ -149,13 +141,13 @@ def _none_words(
     return f"not decided whether there is a stable state: {'; '.join(why)}"
 
 
-def _least_beside_flat(origami: Scene | Pattern) -> float:
+def _least_beside_flat(origami: Origami) -> float:
     """Return a bound of all fold angles [rad] of states of least energy where it is so small that closure says nothing.
 
     0 where it is not.  The flat state closes, so that no state of least energy has more than its energy U, and none of
     its springs is wound by more than sqrt(2 U / k).
     """
-    loaded = origami.laws or getattr(origami, "preload", ()) or getattr(origami, "loads", ())
+    loaded = origami.laws or origami.preload or origami.loads
     low, high = origami.limit_angles
     if not origami.is_flat or loaded or (low > 0).any() or (high < 0).any():
         return 0.0

@@ -103,4 +103,9 @@ from .tolerances import (
     UNBALANCED as UNBALANCED,
     UNPOLISHED as UNPOLISHED,
 )
-from .vectors import area_vectors as area_vectors, cross as cross, unit_normals as unit_normals
+from .vectors import (
+    area_vectors as area_vectors,
+    cross as cross,
+    rotations as rotations,
+    unit_normals as unit_normals,
+)

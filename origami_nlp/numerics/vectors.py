@@ -34,3 +34,13 @@ def unit_normals(x: np.ndarray) -> np.ndarray:
     """Return unit normals of plane polygons [..., q, 3], counter-clockwise seen from where they point, [..., 3]."""
     normal = area_vectors(x)
     return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+
+
+def rotations(axes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Return rotation matrices [K, 3, 3] about unit axes [K, 3] by angles [K] [rad] (Rodrigues)."""
+    # R = 1 + sin a K + (1 - cos a) K^2, 1 - cos a as 2 sin^2(a / 2): no cancellation next to the reference state
+    k = np.zeros((len(axes), 3, 3))
+    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
+    k -= k.swapaxes(1, 2)
+    s, c = np.sin(angles)[:, None, None], 2 * np.sin(angles / 2)[:, None, None] ** 2
+    return np.eye(3) + s * k + c * (k @ k)

@@ -15,11 +15,11 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import JudgedState, MinimaResult, full_scene
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.paths.numbers import with_numbers
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
-from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
+from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
@@ -149,7 +149,7 @@ class Driver:
     @property
     def free(self) -> Driver:
         """The same load on states of any symmetry."""
-        return replace(self, scene=full_scene(self.scene)) if self.scene else self
+        return replace(self, scene=self.scene.without_symmetry) if self.scene else self
 
     def line(self) -> ParameterLine:
         """Return the problems over t; a load that could turn all springs is one [rad] long."""
@@ -227,4 +227,4 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
     orbit = origami.group.orbit
     here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
     creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
-    return Driver(Torque(one_vertex(origami), creases), origami, origami.group.elements)
+    return Driver(Torque(origami.paper, creases), origami, origami.group.elements)

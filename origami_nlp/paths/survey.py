@@ -15,7 +15,7 @@ from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, Line
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped
 from origami_nlp.kkt import State
-from origami_nlp.minima import MinimaResult, check_prove, full_scene
+from origami_nlp.minima import MinimaResult, check_prove
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import search_minima
@@ -147,7 +147,7 @@ class _Survey(FollowedDiagram):
         self._say, self.family = say, family
         self._free: Line | None = None
         if full and family.symmetric:
-            free = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2)
+            free = Family(family.parameter, lambda t: family.scene_of(t).without_symmetry, 2)
             self._free = free.line
             options["functions"] = [("breaks-symmetry", self.across)]
         super().__init__(family.line, family.parameter, progress=self._followed, **options)
@@ -171,9 +171,9 @@ class _Survey(FollowedDiagram):
         if frame not in self._known:
             state = State(self._free.at(frame.s), frame.problem.expand(frame.state))
             pieces = state.pieces if frame.hold else ((),)
-            scene, found = self.family.scene_of(self.parameter.low), math.nan
+            found = math.nan
             if len(pieces) == 1:
-                found = min(breaking_stiffnesses(state, scene, pieces[0]), default=math.inf)
+                found = min(breaking_stiffnesses(state, frame.problem, pieces[0]), default=math.inf)
             self._known[frame] = found
         return self._known[frame]
 

@@ -36,6 +36,7 @@ from .fold_file import (
 )
 from .fold_limits import (
     LIMIT_KEYS as LIMIT_KEYS,
+    Contact as Contact,
     Limits as Limits,
     limit_angles as limit_angles,
     stated_limits as stated_limits,
@@ -78,12 +79,7 @@ from .hinges_stated import (
     same_laws as same_laws,
     seen_laws as seen_laws,
 )
-from .labels import (
-    Relabelling as Relabelling,
-    canonical_labels as canonical_labels,
-    symmetries as symmetries,
-    with_symmetry_of as with_symmetry_of,
-)
+from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .lattice_stated import (
     LATTICE_KEY as LATTICE_KEY,
     ROLLED_KEY as ROLLED_KEY,
@@ -98,6 +94,8 @@ from .numbers_read import (
     parse_angle as parse_angle,
     parse_angles as parse_angles,
 )
+from .one_vertex import shape_of as shape_of
+from .origami import Origami as Origami
 from .pattern_file import (
     face_oddities as face_oddities,
     frame_pattern as frame_pattern,
@@ -106,7 +104,7 @@ from .pattern_file import (
 from .places import with_places as with_places
 from .polygons import Side as Side, side as side, sides_of as sides_of
 from .relations import Relations as Relations
-from .scene import Contact as Contact, Scene as Scene
+from .scene import Scene as Scene
 from .scene_file import (
     decode_scene as decode_scene,
     format_scene as format_scene,

@@ -6,8 +6,9 @@ import math
 
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import OptionError
+from origami_nlp.pattern.fold_limits import Contact
 from origami_nlp.pattern.numbers_read import format_angle, parse_angle
-from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
 STIFFNESS = 0.025

@@ -26,10 +26,11 @@ from origami_nlp.pattern.example_vertices import (
     yoshimura as yoshimura,
 )
 from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern.fold_limits import Contact
 from origami_nlp.pattern.lattice_stated import ROLLED_KEY, check_rolled
 from origami_nlp.pattern.numbers_read import format_angle
 from origami_nlp.pattern.pattern_file import frame_pattern
-from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.vertex import Vertex
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from origami_nlp.errors import SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
 from origami_nlp.pattern.numbers_read import parse_angles, read_list
 
+Contact = Literal["full", "fold-limits", "none"]
 Limits = tuple[tuple[float, float], ...]
 LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")
 """Keys of tables of files that state fold limits, or panels that have them."""

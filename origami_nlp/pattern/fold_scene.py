@@ -14,9 +14,10 @@ from origami_nlp.errors import FoldFileError, OptionError
 from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
+from origami_nlp.pattern.fold_limits import Contact
 from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.fold_springs import FoldSprings
-from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.scene import Scene
 
 
 def _to_stderr(note: str) -> None:

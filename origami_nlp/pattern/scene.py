@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_number, check_whole, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
-from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
+from origami_nlp.io import PrettyRepr, cut, is_unicode
 from origami_nlp.numerics import INPUT_TOL, NARROW, SUMMED, energy_or_zero
 from origami_nlp.pattern.fold_limits import (
+    Contact,
     Limits,
-    limit_angles,
     limit_words,
     read_limits,
     read_panels,
 )
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
-    check_plain_hinges,
     energy_with_laws,
     law_numbers,
     read_hinges,
+    seen_laws,
 )
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
@@ -32,7 +32,10 @@ from origami_nlp.pattern.numbers_read import (
     read_preload,
     read_rest_angles,
 )
+from origami_nlp.pattern.one_vertex import one_vertex
+from origami_nlp.pattern.origami import Origami
 from origami_nlp.pattern.relations import Relations, find_relations
+from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.symmetry import (
     Symmetry,
     averaged,
@@ -42,7 +45,6 @@ from origami_nlp.pattern.symmetry import (
 )
 from origami_nlp.pattern.vertex import Vertex
 
-Contact = Literal["full", "fold-limits", "none"]
 MOST_CREASES = 1_000
 """Of a scene; `model` then takes seconds."""
 MOST_PAIRED = 400
@@ -50,7 +52,7 @@ MOST_PAIRED = 400
 
 
 @dataclass(frozen=True)
-class Scene(PrettyRepr):
+class Scene(PrettyRepr, Origami):
     """Everything the user states of one vertex: creases, springs, symmetry, contact, loads.
 
     Parameters
@@ -158,11 +160,7 @@ class Scene(PrettyRepr):
         if n > (MOST_PAIRED if self.contact == "full" else MOST_CREASES):
             most = f"at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full'"
             raise SceneError(f"vertex has {n} creases: {most}; use contact = 'fold-limits'")
-        narrow = min(self.vertex.sector_angles)
-        if self.contact == "full" and narrow < NARROW:
-            where = f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g}"
-            cure = "use contact = 'fold-limits', or merge its creases"
-            raise SceneError(f"{where} is narrower than {NARROW:g} rad, as contact needs: {cure}")
+        self.check_wide()
         if self.name is not None and not (isinstance(self.name, str) and is_unicode(self.name)):
             raise SceneError(f"name = {shown(self.name)} must be text, without half surrogates")
         check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
@@ -248,11 +246,6 @@ class Scene(PrettyRepr):
         return self.vertex.sector_angles, self.rest_angles, wound, *limits, self.stiffness
 
     @property
-    def limit_angles(self) -> np.ndarray:
-        """Low and high fold limits, [2, N] [rad]; +-pi where none are stated."""
-        return limit_angles(self.limits, self.degree)
-
-    @property
     def wound_angles(self) -> tuple[float, ...]:
         """Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]."""
         if not self.preload:
@@ -260,15 +253,22 @@ class Scene(PrettyRepr):
         return tuple(np.add(self.rest_angles, np.divide(self.preload, self.stiffness)).tolist())
 
     @property
-    def label(self) -> str:
-        """The name as it may be shown (`printable`), empty where there is none."""
-        return printable(self.name or "")
+    def without_symmetry(self) -> Scene:
+        """The same vertex, springs and contact without imposed symmetry."""
+        return replace(self, symmetry="none", mirror=None, winding=None)
 
     @property
-    def title(self) -> str:
-        """What reports call it: what was typed, else its name, else its sector angles in degrees."""
+    def kind_words(self) -> str:
+        """What it is called where it has no name."""
         angles = cut([f"{a:.6g}" for a in np.degrees(self.vertex.sector_angles)])
-        return printable(self.source) or self.label or f"vertex with sector angles {angles} deg"
+        return f"vertex with sector angles {angles} deg"
+
+    @property
+    def paper(self) -> Pattern:
+        """The sheet, its crease i between corners 0 and i (1-based), with springs at their `wound_angles`."""
+        paper = one_vertex(self.vertex, self.stiffness, self.wound_angles, self.label)
+        limits = tuple(map(tuple, self.limit_angles.T.tolist())) if self.limits else ()
+        return replace(paper, limits=limits, laws=self.laws)
 
     @property
     def degree(self) -> int:
@@ -295,22 +295,60 @@ class Scene(PrettyRepr):
         """Whether states are asked to keep a symmetry."""
         return not self.group.is_trivial
 
-    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
-        """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
+    def relabelled(self, creases: np.ndarray, sign: float) -> Scene:
+        """Return a scene without symmetry and loads under other labels of its creases.
 
         Parameters
         ----------
-        what
-            Of the scene, in words.
-        stops
-            Whether it knows fold limits.
+        creases
+            Which comes first, second, ..., one way round or the other, [N].
+        sign
+            Of fold angles: -1 where the paper is turned over.
+
+        Returns
+        -------
+        Scene
+            The same vertex.
+        """
+        backward = (creases[1] - creases[0]) % self.degree != 1
+        sectors = np.array(self.vertex.sector_angles)[creases - backward]
+        vertex = Vertex(tuple(sectors.tolist()), self.vertex.flat)
+        limits = self.limit_angles[:, creases]
+        limits = -limits[::-1] if sign < 0 else limits
+        turned = (
+            tuple((sign * np.array(values)[creases] + 0.0).tolist()) if len(values) else ()
+            for values in (self.rest_angles, self.preload)
+        )
+        rest, preload = turned
+        return Scene(
+            vertex,
+            tuple(np.array(self.stiffness)[creases].tolist()),
+            rest,
+            symmetry="none",
+            contact=self.contact,
+            preload=preload,
+            limits=tuple(map(tuple, limits.T.tolist())) if self.limits else (),
+            laws=seen_laws(tuple(self.laws[i] for i in creases if self.laws), sign < 0),
+            relations=replace(self.relations, sector_angles=vertex.sector_angles, moved=0.0),
+        )
+
+    def with_contact(self, contact: Contact) -> Scene:
+        """Return the same scene with another contact, as for `Scene`."""
+        return replace(self, contact=contact)
+
+    def check_wide(self) -> None:
+        """Raise an error where a facet is too narrow for the contact that is asked for.
 
         Raises
         ------
-        OptionError
-            If the scene has them.
+        SceneError
+            With the sector and its angle.
         """
-        check_plain_hinges(self.laws, () if stops else self.limits, what)
+        narrow = min(self.vertex.sector_angles)
+        if self.contact == "full" and narrow < NARROW:
+            where = f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g}"
+            cure = "use contact = 'fold-limits', or merge its creases"
+            raise SceneError(f"{where} is narrower than {NARROW:g} rad, as contact needs: {cure}")
 
     def check_no_forces(self, what: str) -> None:
         """Raise an error where forces pull in space, which `what` does not know.

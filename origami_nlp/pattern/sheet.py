@@ -15,20 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, OptionError
-from origami_nlp.io import printable
 from origami_nlp.numerics import NARROW, energy_or_zero, groups
-from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
+from origami_nlp.pattern.fold_limits import Contact, Limits, read_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
     Hinges,
     Laws,
-    check_plain_hinges,
     energy_with_laws,
     read_hinges,
 )
 from origami_nlp.pattern.numbers_read import check_range, read_numbers, read_rest_angles
+from origami_nlp.pattern.origami import Origami
 from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, side, sides_of
 
 MOST_FACETS = 20_000
@@ -36,7 +35,7 @@ MOST_FACETS = 20_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Pattern:
+class Pattern(Origami):
     """A crease pattern of many vertices with springs at its creases.
 
     Attributes
@@ -86,6 +85,8 @@ class Pattern:
     generators, cell
         Of a cell that repeats in a plane, a `Loop` from a facet to its copy along either lattice vector, and of any
         cell its `Cell`; else empty, and None.
+    contact
+        ``"full"``: facets never cross; ``"fold-limits"``: they may.
 
     Examples
     --------
@@ -118,6 +119,7 @@ class Pattern:
     laws: Laws = ()
     generators: tuple[Loop, ...] = ()
     cell: Any = None
+    contact: Contact = "full"
 
     @property
     def spread(self) -> Pattern:
@@ -126,14 +128,9 @@ class Pattern:
         return whole
 
     @property
-    def title(self) -> str:
-        """What reports call it: what was typed, else its name."""
-        return printable(self.source) or self.name or "pattern"
-
-    @property
-    def is_symmetric(self) -> bool:
-        """Whether states are asked to keep a symmetry: of a pattern never."""
-        return False
+    def paper(self) -> Pattern:
+        """Itself."""
+        return self
 
     @property
     def facets(self) -> int:
@@ -229,10 +226,28 @@ class Pattern:
         k, rest = np.array(read.stiffness), np.array(read.rest)
         return replace(self, stiffness=k, rest=rest, limits=read.limits, laws=read.laws)
 
-    @property
-    def limit_angles(self) -> np.ndarray:
-        """Low and high fold limits, [2, n] [rad]; +-pi where none are stated."""
-        return limit_angles(self.limits, self.creases)
+    def with_contact(self, contact: Contact) -> Pattern:
+        """Return the same pattern with another contact.
+
+        Parameters
+        ----------
+        contact
+            ``"full"``, or ``"fold-limits"``: facets may cross.
+
+        Returns
+        -------
+        Pattern
+            With this one.
+
+        Raises
+        ------
+        OptionError
+            If it is neither.
+        """
+        if contact not in ("full", "fold-limits"):
+            what = "must be 'full' or 'fold-limits' for a pattern"
+            raise OptionError(f"contact = {shown(contact)} {what}")
+        return replace(self, contact=contact)
 
     def with_limits(self, limits: Sequence[Any], *, degrees: bool = False) -> Pattern:
         """Return the same pattern with fold limits: stops before facets meet.
@@ -278,22 +293,9 @@ class Pattern:
         return self._with_hinges(laws=tuple(each))
 
     def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
-        """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.
-
-        Parameters
-        ----------
-        what
-            Of the pattern, in words.
-        stops
-            Whether it knows fold limits.
-
-        Raises
-        ------
-        OptionError
-            If the pattern has them, or it is a cell that repeats.
-        """
+        """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know."""
         self.check_alone(what)
-        check_plain_hinges(self.laws, () if stops else self.limits, what)
+        super().check_plain_hinges(what, stops=stops)
 
     def check_alone(self, what: str) -> None:
         """Raise an error if the pattern is a cell that repeats.
@@ -312,14 +314,15 @@ class Pattern:
             raise OptionError(f"{self.title} is a cell that repeats: {what} is for sheets alone")
 
     def check_wide(self) -> None:
-        """Raise an error where a corner of a facet is too narrow for contact.
+        """Raise an error where a corner of a facet is too narrow for the contact that is asked for.
 
         Raises
         ------
         OptionError
             With the facet, the vertex and the angle.
         """
-        for facet, ring in zip(self.facet_of.tolist(), self.polygons, strict=True):
+        each = zip(self.facet_of.tolist(), self.polygons, strict=True)
+        for facet, ring in each if self.contact == "full" else ():
             x = self.corners[list(ring)]
             ahead, back = np.roll(x, -1, axis=0) - x, np.roll(x, 1, axis=0) - x
             across = np.linalg.norm(np.cross(ahead, back), axis=1)

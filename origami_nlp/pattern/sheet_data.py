@@ -15,6 +15,7 @@ import numpy as np
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
 from origami_nlp.pattern.cells import make_sheet
+from origami_nlp.pattern.fold_limits import Contact
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, edge_laws, laws_to_fold
 from origami_nlp.pattern.sheet import Pattern
 
@@ -44,6 +45,7 @@ class _Stated:
     law: tuple[int | None, ...] = ()
     laws: tuple[dict[str, Any], ...] = ()
     source: str = ""
+    contact: Contact = "full"
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -67,15 +69,15 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     True
     """
     p = pattern
-    same = "name source corners polygons assignment numbers reference stiffness file_angles notes orders limits"
+    same = "name source corners polygons assignment numbers reference stiffness file_angles notes orders limits contact"
     data = {key: getattr(p, key) for key in same.split()}
     data |= {"creases": p.ends, "rest_angles": p.rest}
     data["joins"] = sorted(side for side, many in p.other_sides.items() if many > 1)
     if p.cell:
         data |= {"lattice": p.cell.lattice, "rolled": p.cell.rolled}
     data |= zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)
-    seldom = ("source", "limits", "rolled")
-    return {key: to_plain(v) for key, v in data.items() if key not in seldom or v}
+    seldom = {"source": "", "limits": (), "rolled": None, "contact": "full"}
+    return {key: to_plain(v) for key, v in data.items() if key not in seldom or v != seldom[key]}
 
 
 def pattern_from_dict(data: Any) -> Pattern:
@@ -126,4 +128,4 @@ def pattern_from_dict(data: Any) -> Pattern:
         raise FoldFileError(f"pattern is not whole: {error}") from None
     if tuple(map(tuple, made.ends.tolist())) != said.creases:
         raise FoldFileError("pattern: its creases are not those of its polygons")
-    return replace(made, source=said.source)
+    return replace(made, source=said.source, contact=said.contact)

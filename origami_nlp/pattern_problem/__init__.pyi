@@ -37,6 +37,7 @@ from .fold_out import (
 )
 from .labels import (
     CanonicalLabelling as CanonicalLabelling,
+    PaperSymmetry as PaperSymmetry,
     find_labels as find_labels,
     image as image,
 )
@@ -59,7 +60,7 @@ from .pop_signs import (
     angle_sums as angle_sums,
 )
 from .poses import MOVES as MOVES, Poses as Poses
-from .posing import one_vertex as one_vertex, pose as pose
+from .posing import pose as pose
 from .problem import PatternProblem as PatternProblem
 from .screws import Screws as Screws, find_screws as find_screws
 from .stacks import Stack as Stack, Unclear as Unclear

@@ -27,15 +27,14 @@ from origami_nlp.pattern import (
     REST_KEY,
     ROLLED_KEY,
     STIFFNESS_KEY,
+    Origami,
     Pattern,
-    Scene,
     in_plane,
     laws_to_fold,
 )
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.layers import order_layers
 from origami_nlp.pattern_problem.poses import Poses
-from origami_nlp.pattern_problem.posing import one_vertex
 from origami_nlp.pattern_problem.problem import PatternProblem
 from origami_nlp.version import __version__
 
@@ -47,9 +46,7 @@ ROOM = 1.25
 """States of a mesh stand apart by this many sizes of the sheet."""
 
 
-def states_to_fold(
-    origami: Scene | Pattern, frames: Iterable[dict[str, Any]] = ()
-) -> dict[str, Any]:
+def states_to_fold(origami: Origami, frames: Iterable[dict[str, Any]] = ()) -> dict[str, Any]:
     """Return an origami as FOLD data (spec 1.1), with states of it as frames.
 
     Parameters
@@ -86,11 +83,10 @@ def states_to_fold(
         LATTICE_KEY: p.cell and p.cell.lattice[:, :2].tolist(),
         ROLLED_KEY: p.cell and p.cell.rolled is not None and list(p.cell.rolled),
     }
-    if isinstance(origami, Scene):
-        seldom |= {f"origaminlp:{key}": getattr(origami, key) for key in ("symmetry", "contact")}
-        seldom[PRELOAD_KEY] = origami.preload and each(origami.preload)
-        seldom[LOADS_KEY] = [load.to_dict() for load in origami.loads]
-        seldom[FIXED_KEY] = origami.loads and origami.fixed_facet
+    seldom |= {f"origaminlp:{key}": getattr(origami, key) for key in ("symmetry", "contact")}
+    seldom[PRELOAD_KEY] = origami.preload and each(origami.preload)
+    seldom[LOADS_KEY] = [load.to_dict() for load in origami.loads]
+    seldom[FIXED_KEY] = origami.loads and origami.fixed_facet
     return {
         "file_spec": 1.1,
         "file_creator": f"origami_nlp {__version__}",
@@ -111,11 +107,12 @@ def states_to_fold(
     }
 
 
-def _paper(origami: Scene | Pattern) -> Pattern:
-    if isinstance(origami, Pattern):
-        return origami
+def _paper(origami: Origami) -> Pattern:
+    paper: Pattern = origami.paper
+    rest = np.array(origami.rest)
+    if paper is origami:
+        return paper
     # 0 is F, not U: Origami Simulator makes hinges of M, V and F only; our stiffness says that it is a crease
-    paper, rest = one_vertex(origami), np.array(origami.rest_angles)
     # FOLD knows no more than half turns
     reference = np.remainder(paper.reference + math.pi, 2 * math.pi) - math.pi
     shown = rest if paper.is_flat else reference
@@ -123,7 +120,7 @@ def _paper(origami: Scene | Pattern) -> Pattern:
 
 
 def state_frame(
-    origami: Scene | Pattern, fold_angles: Sequence[float] | np.ndarray, title: str, **more: Any
+    origami: Origami, fold_angles: Sequence[float] | np.ndarray, title: str, **more: Any
 ) -> dict[str, Any]:
     """Return a folded state as a frame of FOLD that inherits from the origami's own.
 
@@ -222,7 +219,7 @@ def pattern_corners(pattern: Pattern, fold_angles: Sequence[float] | np.ndarray)
 
 
 def state_parts(
-    origami: Scene | Pattern, states: Sequence[np.ndarray]
+    origami: Origami, states: Sequence[np.ndarray]
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return states side by side, each as triangles.
 
@@ -251,7 +248,7 @@ def state_parts(
     return [(x + k * aside, faces) for k, x in enumerate(placed)]
 
 
-def state_mesh(origami: Scene | Pattern, phi: np.ndarray) -> tuple[np.ndarray, MeshFaces]:
+def state_mesh(origami: Origami, phi: np.ndarray) -> tuple[np.ndarray, MeshFaces]:
     """Return a state [N] [rad] as corners [V, 3] and facets, numbered from 0 as in its FOLD file."""
     pattern = _paper(origami)
     return pattern_corners(pattern, phi), tuple(map(tuple, pattern.polygons))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy as sp
 
-from origami_nlp.numerics import address
+from origami_nlp.numerics import address, rotations
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import GapsInC, library
 
@@ -245,13 +245,3 @@ class Poses:
             here = there
         self._paths[a, b] = tuple(walk[::-1])
         return self._paths[a, b]
-
-
-def rotations(axes: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """Return rotation matrices [K, 3, 3] about unit axes [K, 3] by angles [K] [rad] (Rodrigues)."""
-    # R = 1 + sin a K + (1 - cos a) K^2, 1 - cos a as 2 sin^2(a / 2): no cancellation next to the reference state
-    k = np.zeros((len(axes), 3, 3))
-    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
-    k -= k.swapaxes(1, 2)
-    s, c = np.sin(angles)[:, None, None], 2 * np.sin(angles / 2)[:, None, None] ** 2
-    return np.eye(3) + s * k + c * (k @ k)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +16,12 @@ import scipy as sp
 
 from origami_nlp.io import PrettyRepr, pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Contact as Mode, Pattern
 from origami_nlp.pattern_problem.closure import Closure
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.contacts import PatternContacts
 from origami_nlp.pattern_problem.equations import MOST_DENSE
+from origami_nlp.pattern_problem.labels import CanonicalLabelling, as_stated, find_labels, image
 from origami_nlp.pattern_problem.layers import Layers, order_layers
 from origami_nlp.pattern_problem.meeting_features import touches_at
 from origami_nlp.pattern_problem.orbits import Orbits
@@ -32,10 +33,6 @@ if TYPE_CHECKING:
 
 MOST_NAMED = 40
 """Variables whose creases are listed."""
-
-
-def _no_shape(sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    raise NotImplementedError("sector angles of a sheet are not varied")
 
 
 class PatternProblem(PatternContacts, Energies, PrettyRepr):
@@ -60,8 +57,6 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         What of the origami as stated is not modelled, and why.
     symmetry
         Group that states and loads keep, by its name; ``none``: any are states of it.
-    shape
-        Of one vertex: corners and fold angles of a reference state with given sector angles.
 
     Examples
     --------
@@ -85,13 +80,17 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         self._dead: Any = None
         self._symbols: Symbols | None = None
         self.besides: tuple[tuple[str, str], ...] = ()
-        self.shape: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] = _no_shape
 
     @cached_property
     def parameters(self) -> Parameters:
         """Springs and load over `scale`."""
         known = self.springs
         return replace(known, load=known.load + self._load, dead=self._dead or known.dead)
+
+    @property
+    def mode(self) -> Mode:
+        """The contact that was asked for, in one word."""
+        return "full" if self.contact else "fold-limits" if self.has_limits else "none"
 
     @property
     def bound(self) -> float:
@@ -102,6 +101,44 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
     def equation_count(self) -> int:
         """Number of closure equations m; they depend on each other as a rule."""
         return self.closure.count
+
+    @cached_property
+    def labels(self) -> CanonicalLabelling:
+        """The order of its variables that does not depend on how creases are numbered, and symmetries of states."""
+        if self.parameters.dead is not None:  # forces count from a facet
+            return as_stated(self.pattern.creases, self.size)
+        load = self.expand(self.springs.load / self.multiplicity) * self.scale
+        return find_labels(self.pattern, load, self.orbits)
+
+    @property
+    def moves(self) -> list[Callable[[np.ndarray], np.ndarray]]:
+        """Its symmetries with springs and loads, of states [..., n]."""
+        return [partial(image, one) for one in self.labels.symmetries]
+
+    @property
+    def canonical(self) -> tuple[PatternProblem, np.ndarray] | None:
+        """The same origami under labels that all agree on, to the last bit, and the crease that each of them names.
+
+        None where only the order of `labels` is one that they agree on.
+        """
+        return None
+
+    @property
+    def whole(self) -> PatternProblem:
+        """The problem of all fold angles, whatever symmetry is imposed on this one."""
+        return self
+
+    def winding(self, x: np.ndarray) -> int:
+        """Return how often a closed state winds round the axis of an imposed symmetry; 0 where none is asked for."""
+        return 1
+
+    def passing_moment(self, fold_angles: np.ndarray) -> Any:
+        """Return the constant internal moment of a state [N] of one vertex; None of a sheet."""
+        return None
+
+    def shape(self, sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return corners and fold angles of a reference state of one vertex with given sector angles."""
+        raise NotImplementedError("sector angles of a sheet are not varied")
 
     @cached_property
     def dof(self) -> int:
@@ -404,14 +441,24 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
 
     def shaped(self, sector_angles: np.ndarray) -> PatternProblem:
         """Return the same problem of one vertex with other sector angles [N] [rad]."""
-        other = self._other()
         corners, reference = self.shape(sector_angles)
-        other.pattern = replace(self.pattern, corners=corners, reference=reference)
-        other.closure = Closure(other.pattern, self.orbits)
-        other.crossings = self.crossings.moved(other.pattern)
+        other = self._measured(replace(self.pattern, corners=corners, reference=reference))
+        other.springs = replace(self.springs, sectors=sector_angles)
+        return other
+
+    def arranged(self) -> PatternProblem:
+        """Return the same problem with loops that begin where `labels` say, about its middle."""
+        other = self._measured(self.labels.arranged(self.pattern))
+        other.origin = self.pattern.corners.mean(axis=0) * (self.pattern.cell is None)
+        return other
+
+    def _measured(self, pattern: Pattern) -> PatternProblem:
+        """Return the same problem measured in another reference state of its pattern."""
+        other = self._other()
+        other.pattern, other.closure = pattern, Closure(pattern, self.orbits)
+        other.crossings = self.crossings if pattern.cell else self.crossings.moved(pattern)
         other._last, other._decomposed, other._stacks = None, {}, {}
         vars(other).pop("features", None)
-        other.springs = replace(self.springs, sectors=sector_angles)
         return other
 
     def drift(

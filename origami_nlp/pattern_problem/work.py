@@ -18,9 +18,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import cross, rotations
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem.poses import Poses, rotations
+from origami_nlp.pattern_problem.poses import Poses
 
 
 @dataclass(frozen=True, eq=False)

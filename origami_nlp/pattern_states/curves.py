@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL, SETTLED
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, image
+from origami_nlp.pattern_problem import PaperSymmetry, PatternProblem, image
 from origami_nlp.pattern_states.branch_points import dips
 from origami_nlp.pattern_states.clearance import Clearance, Stretches
 from origami_nlp.pattern_states.curve import follow_curve, follow_from_flat
@@ -48,7 +48,7 @@ class TracedCurve(ShortRepr):
         """Whether both ends are fold limits, or the curve is closed."""
         return all(end in ("limit", "closed") for end in self.curve.ends)
 
-    def image(self, symmetry: tuple[np.ndarray, float]) -> TracedCurve:
+    def image(self, symmetry: PaperSymmetry) -> TracedCurve:
         """Return where a symmetry of the paper takes it."""
         seen = self.stretches
         if seen is not None:
@@ -66,16 +66,11 @@ class TracedCurves:
     ----------
     problem
         The problem.
-    labels
-        Of its pattern: symmetries of the paper take curves to curves.
-    contact
-        Whether to ask where facets cross.
     """
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling, contact: bool) -> None:
-        self.problem, self.labels = problem, labels
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem = problem
         self.found: list[TracedCurve] = []
-        self._contact = contact
         # of all steps of these: the curve that each is of, and its box
         self._of, self._low = list[np.ndarray](), np.zeros((problem.size, 0))
         self._high = self._low
@@ -119,12 +114,12 @@ class TracedCurves:
         curve = self._followed(phi, along)
         if not len(curve.control):  # fold limits are in the way, there and back
             return []
-        seen = self.clearance.along(curve) if self._contact else None
+        seen = self.clearance.along(curve) if self.problem.contact else None
         meets = tuple(dips(self.problem, curve))
         meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
         new = [TracedCurve(curve, seen, tuple(meet), meets)]
         self.found += new
-        for symmetry in self.labels.images:
+        for symmetry in self.problem.labels.images:
             other = image(symmetry, phi)
             if self.problem.residual(other) <= CLOSURE_TOL and other not in self:
                 copy = new[0].image(symmetry)

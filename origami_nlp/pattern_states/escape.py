@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -30,8 +30,6 @@ NOTHING_NEAR = "no other admissible state is near"
 def with_escapes(
     curves: TracedCurves,
     states: Sequence[JudgedState],
-    moves: Sequence[Callable[[np.ndarray], np.ndarray]],
-    contact: bool,
     most: float,
 ) -> list[JudgedState]:
     """Add what it takes to leave each stable state.
@@ -42,10 +40,6 @@ def with_escapes(
         Of the sheet, those that were traced.
     states
         Judged; ways lead to minima among them, numbered in their order.
-    moves
-        Symmetries of the origami and its springs, of states [n].
-    contact
-        Whether facets must not cross.
     most
         Counted work of descents.
 
@@ -60,12 +54,12 @@ def with_escapes(
     at, energies = np.array([problem.reduce(s.phi) for s in minima]), [s.energy for s in minima]
     scale = energy_scale(problem.pattern.stiffness)
     traced = graph_of_curves(problem, curves.found, at)
-    known = _exact(minima, traced, level_of(np.array(energies), scale), scale, contact)
+    known = _exact(minima, traced, level_of(np.array(energies), scale), scale)
     alone = [k for k, s in enumerate(minima) if not s.local_dimension]
     known |= {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in alone}
-    passes: dict[str, Any] = {"moves": moves, "heights": traced.heights() * problem.scale}
-    posed = problem.with_contact(contact)
-    found = iter(find_escapes(posed, at, known, labels=curves.labels, most=most, **passes))
+    heights = traced.heights() * problem.scale
+    own: Any = {"labels": problem.labels, "moves": problem.moves}
+    found = iter(find_escapes(problem, at, known, heights=heights, most=most, **own))
 
     def told(e: Escape) -> Escape:
         return replace(e, top=tuple(problem.expand(np.array(e.top)).tolist())) if e.top else e
@@ -74,7 +68,7 @@ def with_escapes(
 
 
 def _exact(
-    minima: Sequence[JudgedState], traced: PassGraph, level: float, scale: float, contact: bool
+    minima: Sequence[JudgedState], traced: PassGraph, level: float, scale: float
 ) -> dict[int, Escape]:
     """Return the barriers that curves give exactly: a way that climbs no higher than every way does."""
     energies, sure = np.array([s.energy for s in minima]), traced.sure
@@ -87,7 +81,9 @@ def _exact(
         others = [*equal, *([to] if to >= 0 else [])]
         least = traced.least(k, others, level / unit) * unit
         if math.isinf(least):
-            if contact:  # samples at which facets cross are no proof that no way leads past
+            if (
+                traced.problem.contact
+            ):  # samples at which facets cross are no proof that no way leads past
                 continue
             why = "its curve leads to no state of no higher energy: it ends at limits"
             found[k] = Escape(math.inf, TRACED, why)

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -25,13 +26,14 @@ from origami_nlp.minima import (
     MinimaResult,
     check_noise,
     check_prove,
+    with_full_space,
     with_survival,
 )
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, NEAR_SINGULAR_TOL
-from origami_nlp.pattern import Stated, as_origami
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.pattern_states.escape import with_escapes
-from origami_nlp.pattern_states.question import question_of
+from origami_nlp.pattern_states.proved import FEW, Provable, provable_of, prove_list
 from origami_nlp.pattern_states.search import Search
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import OWN, SearchOptions, confirm, options_of
@@ -64,7 +66,6 @@ def find_states(
     options: SearchOptions | None = None,
     starts: int | None = None,
     max_starts: int | None = None,
-    contact: bool = True,
     guesses: Sequence[np.ndarray] = (),
     seconds: float | None = None,
     prove: bool | float | ProofOptions | None = None,
@@ -90,8 +91,6 @@ def find_states(
     starts, max_starts
         Random starts in a row that find no other minimum or curve, and starts in all; None: as `effort` says, an eighth
         of those in a row before a proof that is tried unasked, the others where it fails.
-    contact
-        Of a pattern, whether facets must not cross; without, only fold limits count.
     guesses
         States to start from first, fold angles [N] [rad] each: `SearchReport.refused` says why one is no minimum.
     seconds
@@ -148,20 +147,24 @@ def find_states(
     check_callback("progress", progress)
     check_callback("found", found)
     _check_method(method)
-    question = question_of(stated, contact)
-    guesses = _check_guesses(guesses, question.problem)
-    search = _Answer(question, begin + seconds, asked, seed, ipopt=method == "ipopt")
+    stated.check_wide()
+    posed = pose(stated)
+    if not posed.size:
+        raise OptionError("the pattern has no crease: there is nothing to fold")
+    guesses = _check_guesses(guesses, posed)
+    search = _Answer(posed.arranged(), begin + seconds, asked, seed, ipopt=method == "ipopt")
+    search.stated, search.posed = stated, posed
     in_a_row, most = asked.random_starts(starts, max_starts, search.problem)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
-    if wanted and question.lists_all():
+    if wanted and search.provable.alone:
         search.part(PROOF, search.prove, prove)
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
         # a proof that follows finds what few starts miss
-        brief = prove is not False and starts is None and question.proves()
+        brief = prove is not False and starts is None and search.proves
         search.go(guesses, in_a_row // (BRIEF if brief else 1), most)
         if not search.tally.interrupted:
             search.problem.until = until
@@ -174,7 +177,7 @@ def find_states(
     search.part(CONFIRMED, search.add_confirmations)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    if full or (full is None and question.problem.orbits is not None):
+    if full or (full is None and posed.orbits is not None):
         search.part(FULL, search.add_full_space, full)
     result = search.result()
     if search.tally.interrupted:
@@ -197,6 +200,23 @@ class _Answer(Search):
     """A search, and what is asked of the states that it found."""
 
     completeness: Completeness | None = None
+    stated: Scene | Pattern
+    posed: PatternProblem
+
+    @property
+    def few(self) -> bool:
+        """Whether it has few vertices: to read the sectors of thousands takes seconds."""
+        return len(self.problem.pattern.vertices) <= FEW
+
+    @property
+    def proves(self) -> bool:
+        """Whether a proof is tried unasked."""
+        return self.few and bool(self.provable.unasked)
+
+    @cached_property
+    def provable(self) -> Provable:
+        """How the list is proved."""
+        return provable_of(self.stated, self.posed)
 
     @property
     def proved(self) -> bool:
@@ -205,7 +225,9 @@ class _Answer(Search):
 
     def prove(self, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
-        self.completeness, new = self.question.prove(self.judged, wanted)
+        self.completeness, new = None, list[JudgedState]()
+        if wanted is not None or self.few:
+            self.completeness, new = prove_list(self.provable, self.problem, self.judged, wanted)
         minima = [s for s in new if s.verdict == "minimum"]
 
         def is_beside(one: JudgedState, other: JudgedState) -> bool:
@@ -229,8 +251,7 @@ class _Answer(Search):
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         most = max(OF_ESCAPES * self.go_down.work, LEAST_WORK)
-        moves = self.question.symmetries
-        self.judged = with_escapes(self.curves, self.by_energy(), moves, self.contact, most)
+        self.judged = with_escapes(self.curves, self.by_energy(), most)
         self.problem.check_time()
 
     def add_confirmations(self) -> None:
@@ -246,12 +267,13 @@ class _Answer(Search):
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        problem, labels = self.question.whole()
-        self.judged = with_survival(problem, labels, self.by_energy(), degrees, self.engine)
+        self.problem.pattern.check_alone("the survival of states under errors")
+        whole = self.problem.whole
+        self.judged = with_survival(whole, self.by_energy(), degrees, self.engine)
 
     def add_full_space(self, full: bool | None) -> None:
         """Add the verdict without an imposed symmetry to each minimum, where that is asked for or affordable."""
-        self.judged = self.question.in_full_space(self.by_energy(), full)
+        self.judged = with_full_space(self.problem, self.by_energy(), full)
 
     def result(self) -> MinimaResult:
         """Sum up what was judged and done."""
@@ -264,6 +286,4 @@ class _Answer(Search):
             for guess, state in self._guesses
             if min((np.abs(guess - x).max() for x in listed), default=math.inf) > NEAR_SINGULAR_TOL
         )
-        return MinimaResult(
-            self.question.stated, minima, self.tally, self.completeness, curves=curves
-        )
+        return MinimaResult(self.stated, minima, self.tally, self.completeness, curves=curves)

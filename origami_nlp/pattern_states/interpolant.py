@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern_problem import PatternProblem, image
+from origami_nlp.pattern_problem import PaperSymmetry, PatternProblem, image
 from origami_nlp.pattern_states.curve import ClosedStates, ClosureCurve
 
 FITS = 1e-6
@@ -81,7 +81,7 @@ class Interpolant(ShortRepr):
         """Whether the polynomials are as close to closed states as they are meant to be."""
         return self.off <= FITS
 
-    def image(self, symmetry: tuple[np.ndarray, float]) -> Interpolant:
+    def image(self, symmetry: PaperSymmetry) -> Interpolant:
         """Return where a symmetry of the paper takes it."""
         return replace(
             self, states=image(symmetry, self.states), control=image(symmetry, self.control)

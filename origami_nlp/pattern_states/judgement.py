@@ -33,7 +33,7 @@ LEFT = 1e-12
 """Torque of a minimum, relative to the largest, that Newton takes away."""
 
 
-def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
+def judge(problem: PatternProblem, phi: np.ndarray) -> JudgedState:
     """Judge a state.
 
     Parameters
@@ -42,8 +42,6 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         The problem.
     phi
         Fold angles [rad], [n]; those off multiples of pi by less than closure can resolve are there.
-    contact
-        Whether facets must not cross; without, only fold limits count.
 
     Returns
     -------
@@ -56,7 +54,6 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         phi = at_limit
     whole = math.pi * np.round(phi / math.pi)
     phi = np.where(np.abs(phi - whole) <= CLOSURE_TOL, whole, phi)
-    problem = problem.with_contact(contact)
     residual = problem.residual(phi)
     energy = float(energy_or_zero(problem.energy(phi), problem.pattern.stiffness))
     angles = tuple(problem.expand(phi).tolist())
@@ -120,27 +117,25 @@ def is_level_along(problem: PatternProblem, phi: np.ndarray, modes: np.ndarray) 
     return False
 
 
-def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
+def judge_end(problem: PatternProblem, phi: np.ndarray) -> JudgedState:
     """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it.
 
     One held by contacts that leave torque gives way to what is beside it with less, and one that is not decided to the
     state beside it at which creases are flat or fully folded, if that is.
     """
-    state = judge(problem, phi, contact)
+    state = judge(problem, phi)
     better = beside(problem, state)
-    state = state if better is None else judge(problem, better, contact)
+    state = state if better is None else judge(problem, better)
     if state.verdict == "minimum" and state.contacts and state.kkt_residual > STATIONARY:
         # a soft hinge may pull off a limit by less than is seen beside stiff ones
-        ends = polished_nearby(
-            problem.with_contact(contact), problem.reduce(state.phi), NEAR_CONTACT
-        )
-        others = (judge(problem, end.x, contact) for end in ends if end.converged)
+        ends = polished_nearby(problem, problem.reduce(state.phi), NEAR_CONTACT)
+        others = (judge(problem, end.x) for end in ends if end.converged)
         state = min((state, *others), key=lambda s: s.kkt_residual)
     if (
         state.verdict == "undecided"
         and (near := singular_beside(problem, problem.reduce(state.phi))) is not None
     ):
-        exact = judge(problem, near, contact)
+        exact = judge(problem, near)
         state = state if exact.verdict == "undecided" else exact
     return state
 

@@ -14,9 +14,9 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import project, singular_beside
 from origami_nlp.minima import JudgedState, SearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.judgement import is_level_along
-from origami_nlp.pattern_states.question import Question
 
 FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""
@@ -57,8 +57,8 @@ class Parts:
     at = ""
     family = ""
 
-    def __init__(self, question: Question) -> None:
-        self.question, self.problem, self.labels = question, question.problem, question.labels
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem, self.labels = problem, problem.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
         self._at: dict[tuple[float, ...], np.ndarray] = {}
         self._places = Places(self.problem.size)
@@ -149,9 +149,12 @@ class Parts:
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once, if it is one that is asked for."""
-        if not self.question.winding(self.at_state(state)):
+        if not (winding := self.problem.winding(self.at_state(state))):
             return
-        state = self.question.told(state)
+        state = replace(state, winding=winding)
+        minimum = state.verdict == "minimum"
+        if moment := self.problem.passing_moment(state.phi) if minimum else None:
+            state = replace(state, moment=moment.vector, moment_residual=moment.residual)
         near = (
             singular_beside(self.problem, self.at_state(state))
             if state.verdict == "undecided"

@@ -15,7 +15,7 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.judgement import judge_end
 from origami_nlp.proof import (
@@ -69,6 +69,13 @@ class Provable:
     short: str = ""
 
 
+def provable_of(stated: Scene | Pattern, problem: PatternProblem) -> Provable:
+    """Return how the list of an origami is proved, of all its windings."""
+    if isinstance(stated, Pattern):
+        return of_sheet(stated, problem.contact)
+    return of_vertices([ReducedVertex(one, problem) for one in stated.of_each_winding])
+
+
 def of_vertices(vertices: Sequence[ReducedVertex]) -> Provable:
     """Return how the list of a vertex is proved, of all its windings."""
     first = vertices[0]
@@ -93,7 +100,6 @@ def prove_list(
     provable: Provable,
     problem: PatternProblem,
     known: Sequence[JudgedState],
-    contact: bool,
     wanted: bool | float | ProofOptions | None,
 ) -> tuple[Completeness | None, list[JudgedState]]:
     """Try to prove that the minima that are known are all.
@@ -106,8 +112,6 @@ def prove_list(
         As it was searched, with its limit of time.
     known
         All that was judged.
-    contact
-        Whether facets must not cross.
     wanted
         True, or options: in at most as many boxes as they say; or the seconds that it may take; None: where it is
         cheap; False: not at all.
@@ -129,7 +133,7 @@ def prove_list(
     boxes = provable.unasked if wanted is None else options.boxes
     try:
         proof = provable.prove(boxes=boxes, until=until)
-        return hold_against(proof, problem, known, contact, provable.short)
+        return hold_against(proof, problem, known, provable.short)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}"), []
 
@@ -138,7 +142,6 @@ def hold_against(
     proof: Proof,
     problem: PatternProblem,
     known: Sequence[JudgedState],
-    contact: bool,
     short: str = "",
 ) -> tuple[Completeness, list[JudgedState]]:
     """Hold what a search knows against a proof; what the proof has and the search lacks is judged and added.
@@ -147,7 +150,7 @@ def hold_against(
     ----------
     proof
         Of the same origami.
-    problem, known, contact
+    problem, known
         As for `prove_list`.
     short
         As of `Provable`.
@@ -160,7 +163,7 @@ def hold_against(
     added : list of JudgedState
         What was judged on the way.
     """
-    states, against = _States(problem, known, contact), list[str]()
+    states, against = _States(problem, known), list[str]()
     undecided, singular, shown = list[Open](), list[Open](), list[np.ndarray]()
     hopeless = bool(proof.undecided or not proof.finished or short)
     try:
@@ -211,10 +214,8 @@ def hold_against(
 class _States:
     """States that a search judged, and those that a proof adds."""
 
-    def __init__(
-        self, problem: PatternProblem, known: Sequence[JudgedState], contact: bool
-    ) -> None:
-        self.problem, self.contact = problem, contact
+    def __init__(self, problem: PatternProblem, known: Sequence[JudgedState]) -> None:
+        self.problem = problem
         self.all, self.new = [*known], list[JudgedState]()
 
     def near(self, phi: np.ndarray, within: float) -> JudgedState | None:
@@ -228,14 +229,14 @@ class _States:
         state = self.near(phi, within)
         if state is None or state.verdict == "undecided":
             self.problem.check_time()
-            state = judge_end(self.problem, self.problem.reduce(phi), self.contact)
+            state = judge_end(self.problem, self.problem.reduce(phi))
             self.new.append(state)
             self.all.append(state)
         return state
 
     def polished(self, phi: np.ndarray) -> JudgedState | None:
         """Judge the state that Newton finds beside one: the middle of a box is none; None where there is none."""
-        problem = self.problem.with_contact(self.contact)
+        problem = self.problem
         x = problem.reduce(phi)
         state = polish(problem, Solve(x, "", 0, math.nan, np.ones(len(x))))
         if not state.converged:
@@ -246,7 +247,7 @@ class _States:
     def refuted(self, phi: np.ndarray) -> JudgedState | None:
         """Return a state that is judged to be no minimum, None where it is not; it is not kept."""
         self.problem.check_time()
-        state = judge_end(self.problem, self.problem.reduce(phi), self.contact)
+        state = judge_end(self.problem, self.problem.reduce(phi))
         return None if state.verdict in ("minimum", "undecided") else state
 
     def energy(self, phi: np.ndarray) -> float:

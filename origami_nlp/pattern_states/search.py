@@ -7,7 +7,7 @@ curves through what was found are traced after the search, and each well of the 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -29,6 +29,7 @@ from origami_nlp.numerics import (
     RESOLVED,
     STATIONARY,
 )
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.curve import tangents
@@ -41,7 +42,6 @@ from origami_nlp.pattern_states.judgement import (
 )
 from origami_nlp.pattern_states.near_folded import beside_folded
 from origami_nlp.pattern_states.parts import Parts, Places
-from origami_nlp.pattern_states.question import Question
 from origami_nlp.search import (
     BESIDE_FLAT,
     CLOSES_NOT,
@@ -56,6 +56,7 @@ from origami_nlp.search import (
     StartState,
     at_limits,
     close,
+    given,
     hinge_rests,
     on_grid,
     other_wells,
@@ -69,7 +70,7 @@ FLAT_FOLDED = "flat-folded states"
 BESIDE_FOLDED = "starts beside flat-folded states"
 MOST_SETTLED = 100
 """Flat-folded states without modes that are judged, those of least energy."""
-GUESSES = "guesses"
+GIVEN, GUESSES = "what the pattern gives", "guesses"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
@@ -88,30 +89,29 @@ class Search(Parts):
 
     def __init__(
         self,
-        question: Question,
+        problem: PatternProblem,
         until: float,
         options: SearchOptions,
         seed: int,
         *,
         ipopt: bool = False,
     ) -> None:
-        super().__init__(question)
+        super().__init__(problem)
         self._since, self.options = time.perf_counter(), options
-        contact = self.contact = self.problem.contact
         _ = self.problem.dof  # kept, before the clock can stop it
         self.problem.until = until
-        self.curves = TracedCurves(self.problem, self.labels, contact)
-        self.tally = SearchReport(contact=question.contact)
+        self.curves = TracedCurves(self.problem)
+        self.tally = SearchReport(contact=self.problem.mode)
         self.judged = list[JudgedState]()
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
-        self._draws = Draws(self.problem, self.labels, seed)
+        self._draws = Draws(self.problem, seed)
         self._met_at, self._cells = list[np.ndarray](), set[tuple[float, ...]]()
         self._ends = Places(self.problem.size)
         self._guesses: list[tuple[np.ndarray, JudgedState]] = []
-        canonical = question.canonical
-        way = way_down(canonical or self.problem, ipopt=ipopt)
+        known = self.problem.canonical
+        way = way_down(known[0] if known else self.problem, ipopt=ipopt)
         self.engine = type(way)
-        self.go_down = Relabelled(way, self.labels) if canonical else way
+        self.go_down = Relabelled(way, known[1], self.labels.sign) if known else way
         if isinstance(way, ByIpopt) and not ipopt:
             self.tally.skip(NO_COMPILER)
         self._seed = seed
@@ -120,8 +120,7 @@ class Search(Parts):
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
         for guess in guesses:
             self.part(GUESSES, self.judge_guess, guess)
-        for name, states in self.question.starts:
-            self.part(name, self._explore_each, states, name)
+        self.part(GIVEN, self._explore_given)
         if self.problem.pattern.lies_flat:
             self.part("the flat state", self.add_flat)
         if self.problem.pattern.lies_flat or len(self.problem.pattern.vertices) == 1:
@@ -136,13 +135,13 @@ class Search(Parts):
 
     def add_flat(self) -> None:
         """Judge the flat state: descents that end there are counted."""
-        self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+        self.add(judge(self.problem, np.zeros(self.problem.size)))
 
     def judge_guess(self, guess: np.ndarray) -> None:
         """Judge the stationary state beside a guess [N], and go down from there."""
         x = self.problem.reduce(guess)
         closed, residual = self.problem.project(x)
-        state = judge(self.problem, closed, self.contact)
+        state = judge(self.problem, closed)
         verdict: Verdict = "not admissible"
         if np.abs(self.problem.expand(x) - guess).max() > NEAR_SINGULAR_TOL:
             why = "it does not have the symmetry of the scene"
@@ -167,15 +166,15 @@ class Search(Parts):
         for tolerance in (NEAR_CONTACT, DESIGN_SNAP):
             for end in polished_nearby(self.problem, x, tolerance):
                 if self.problem.residual(end.x) <= CLOSURE_TOL:
-                    state = judge_end(self.problem, end.x, self.contact)
+                    state = judge_end(self.problem, end.x)
                     if state.verdict == "minimum":
                         return state
                     best = best or state
         return best
 
-    def _explore_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
-        for start in states():
-            self.explore(start, family)
+    def _explore_given(self) -> None:
+        for start in given(self.problem.pattern):
+            self.explore(self.problem.reduce(start), GIVEN)
 
     def draw(self, starts: int, most: int) -> None:
         """Make random starts, by what families led to and evenly, until so many led to nothing new.
@@ -253,15 +252,15 @@ class Search(Parts):
     def _judged(self, x: np.ndarray) -> JudgedState | None:
         """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
         self._ends.add(x)
-        if not self.question.winding(x):
+        if not self.problem.winding(x):
             return None
         if self.on_level_set(x):
             self.tally.stalled += 1
             return None
-        state = judge_end(self.problem, x, self.contact)
+        state = judge_end(self.problem, x)
         near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
         if near is not None:
-            exact = judge(self.problem, near, self.contact)
+            exact = judge(self.problem, near)
             state = state if exact.verdict == "undecided" else exact
         at = self.at_state(state)
         alike = self._images(at) if state.refuted else [at]
@@ -272,7 +271,7 @@ class Search(Parts):
 
     def _images(self, x: np.ndarray) -> list[np.ndarray]:
         """Return a state and its images under the symmetries of the sheet and its springs."""
-        return [x, *(move(x) for move in self.question.symmetries)]
+        return [x, *(move(x) for move in self.problem.moves)]
 
     def snap(self, x: np.ndarray) -> None:
         """Start from a minimum with each hinge in each other well of its law."""
@@ -347,7 +346,7 @@ class Search(Parts):
 
     def _add_exact(self, x: np.ndarray) -> None:
         """Add the state at a well; where it is not decided, it stands for a minimum that is not told from it."""
-        state = judge_end(self.problem, x, self.contact)
+        state = judge_end(self.problem, x)
         beside = [
             k
             for k, s in enumerate(self.judged)
@@ -380,7 +379,7 @@ class Search(Parts):
         for x in states[low]:
             self.begin(FLAT_FOLDED)
             self.attempt(self.settle, x, 0)
-        for start in beside_folded(problem, list(states), self.question.symmetries):
+        for start in beside_folded(problem, list(states), self.problem.moves):
             self.explore(start, BESIDE_FOLDED)
 
     def _leave_meetings(self) -> None:
@@ -433,4 +432,4 @@ class Search(Parts):
                     self._cells.add(cell)
                     self.explore(start, BRANCHES, hold=True)
         if not lines and not ways.families and not self.known(phi):
-            self.add(judge(self.problem, phi, self.contact))
+            self.add(judge(self.problem, phi))

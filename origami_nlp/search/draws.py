@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import StartState
 from origami_nlp.search.moments import Moments, is_chain
 from origami_nlp.search.shares import Shares
@@ -27,8 +27,8 @@ class Draws:
 
     Parameters
     ----------
-    problem, labels
-        The problem, and the order of its variables in which all that is random is drawn.
+    problem
+        In the order of whose `labels` all that is random is drawn.
     seed
         Of the numbers.
 
@@ -38,17 +38,12 @@ class Draws:
         The family that starts from minima that were found.
     """
 
-    def __init__(
-        self,
-        problem: PatternProblem,
-        labels: CanonicalLabelling,
-        seed: int,
-    ) -> None:
-        self.changed = Changed(problem, labels)
+    def __init__(self, problem: PatternProblem, seed: int) -> None:
+        self.changed = Changed(problem)
         kinds: list[type[Any]] = [Uniform, *[FoldedCreases] * problem.has_limits]
         kinds += [Touch] * problem.contact + [Moments] * is_chain(problem)
-        self._labels, self._seed = labels, seed
-        self._families: list[StartKind] = [kind(problem, labels) for kind in kinds]
+        self._labels, self._seed = problem.labels, seed
+        self._families: list[StartKind] = [kind(problem) for kind in kinds]
         self._families.append(self.changed)
         self.names = [family.name for family in self._families]
         self._shares, self._made = Shares(self.names), dict.fromkeys(self.names, 0)

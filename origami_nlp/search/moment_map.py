@@ -87,7 +87,7 @@ class MomentMap:
         (loop,) = problem.pattern.vertices
         around = np.array(loop.creases)
         self.sign = 1.0 if labels is None else labels.sign
-        rank = np.arange(n) if labels is None else np.argsort(labels.order)
+        rank = np.arange(n) if labels is None else labels.rank
         first = int(rank[around].argmin())
         turn = np.roll(np.arange(n), -first)
         if labels is not None and rank[around[turn[1]]] > rank[around[turn[-1]]]:

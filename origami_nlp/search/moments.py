@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, DECREASE, NONZERO, OUTSIDE
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import StartState
 from origami_nlp.search.moment_map import MomentMap
 from origami_nlp.search.starts import StartKind
@@ -51,9 +51,9 @@ class Moments(StartKind):
     sentence = "where creases balance a random moment"
     cost = 40
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
-        super().__init__(problem, labels)
-        self.map, self._ready = MomentMap(problem, labels), list[StartState]()
+    def __init__(self, problem: PatternProblem) -> None:
+        super().__init__(problem)
+        self.map, self._ready = MomentMap(problem, problem.labels), list[StartState]()
 
     def moments(self, rng: np.random.Generator, many: int) -> np.ndarray:
         """Draw moments over the problem's scale, shape [many, 3]."""

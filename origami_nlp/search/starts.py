@@ -29,16 +29,16 @@ class StartKind(ABC):
 
     Parameters
     ----------
-    problem, labels
-        The problem, and the order of its variables in which all that is random is drawn.
+    problem
+        In the order of whose `labels` all that is random is drawn.
     """
 
     name: ClassVar[str]
     sentence: ClassVar[str]
     cost: ClassVar[int]
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
-        self.problem, self.labels = problem, labels
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem, self.labels = problem, problem.labels
 
     @abstractmethod
     def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
@@ -118,11 +118,11 @@ class Changed(StartKind):
     sentence = "a minimum crossed with another, or with one crease folded otherwise"
     cost = 2
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
-        super().__init__(problem, labels)
+    def __init__(self, problem: PatternProblem) -> None:
+        super().__init__(problem)
         self._states, self._others = list[np.ndarray](), list[np.ndarray]()
         self._made, self._way = list[int](), 0
-        self._around = variables_around(problem, labels)
+        self._around = variables_around(problem)
 
     def add(self, x: np.ndarray, *images: np.ndarray) -> None:
         """Add a minimum [n], and its images under symmetries: with these others are crossed."""
@@ -250,9 +250,9 @@ def lines_at_wells(pattern: Pattern) -> Iterator[np.ndarray]:
                 yield start
 
 
-def variables_around(problem: PatternProblem, labels: CanonicalLabelling) -> list[list[int]]:
+def variables_around(problem: PatternProblem) -> list[list[int]]:
     """Return the variables round each vertex, in an order of vertices that labels do not change."""
-    rank, orbits = np.argsort(labels.order), problem.orbits
+    rank, orbits = np.argsort(problem.labels.order), problem.orbits
     of = np.arange(problem.size) if orbits is None else orbits.orbit
     around = [sorted(set(of[list(loop.creases)].tolist())) for loop in problem.pattern.vertices]
     return sorted(around, key=lambda variables: sorted(rank[variables].tolist()))

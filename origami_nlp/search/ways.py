@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import StartState
 from origami_nlp.search.follow import Follower
 from origami_nlp.search.ipopt import ByIpopt
@@ -36,12 +36,14 @@ class Relabelled:
     ----------
     way
         Of the problem under those labels.
-    labels
-        Which variable of the stated problem comes first, second, ..., and from which side it is seen.
+    order
+        Which variable of the stated problem comes first, second, ...
+    sign
+        Of fold angles.
     """
 
-    def __init__(self, way: WayDown, labels: CanonicalLabelling) -> None:
-        self._way, self._labels = way, labels
+    def __init__(self, way: WayDown, order: np.ndarray, sign: float) -> None:
+        self._way, self._order, self._sign = way, order, sign
 
     @property
     def work(self) -> int:
@@ -49,7 +51,12 @@ class Relabelled:
         return self._way.work
 
     def _to(self, x: np.ndarray) -> np.ndarray:
-        return np.asarray(self._labels.sign * x[..., self._labels.order] + 0.0)
+        return np.asarray(self._sign * x[..., self._order] + 0.0)
+
+    def _back(self, x: np.ndarray) -> np.ndarray:
+        out = np.empty_like(x)
+        out[..., self._order] = self._sign * x
+        return out
 
     def _start(self, start: StartState) -> StartState:
         return replace(start, x=self._to(start.x), side=self._to(start.side).astype(int))
@@ -58,8 +65,7 @@ class Relabelled:
         self, start: StartState, aside: np.ndarray, known_end: Callable[[np.ndarray], bool]
     ) -> tuple[np.ndarray, str]:
         """Return where a start leads, and why it ends there, as `Follower`."""
-        back = self._labels.drawn
-        given = self._start(start), self._to(aside), lambda y: known_end(back(y))
+        given = self._start(start), self._to(aside), lambda y: known_end(self._back(y))
         return self._told(partial(self._way, *given))
 
     def each(
@@ -69,13 +75,12 @@ class Relabelled:
         known_end: Callable[[np.ndarray], bool],
     ) -> list[Callable[[], tuple[np.ndarray, str]]]:
         """Return what tells where each of some starts leads."""
-        back = self._labels.drawn
         ways = self._way.each(
-            [*map(self._start, starts)], self._to(asides), lambda y: known_end(back(y))
+            [*map(self._start, starts)], self._to(asides), lambda y: known_end(self._back(y))
         )
 
         return [partial(self._told, way) for way in ways]
 
     def _told(self, way: Callable[[], tuple[np.ndarray, str]]) -> tuple[np.ndarray, str]:
         x, why = way()
-        return self._labels.drawn(x), why
+        return self._back(x), why

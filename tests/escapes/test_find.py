@@ -1,7 +1,5 @@
 """What it takes to leave a stable state of a sheet: exact along curves, else never below the true pass."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ import origami_nlp as o
 from origami_nlp.escapes import BOUND, TRACED, EscapePath
 from origami_nlp.escapes.find import _images
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern_problem import find_labels, image
+from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import find_states
 from tests.computed_once import states
 from tests.relabelled import relabelled
@@ -62,8 +60,7 @@ def test_a_square_twist_is_left_through_the_flat_state() -> None:
 def test_a_way_goes_to_an_image() -> None:
     """The end goes where the symmetry takes it."""
     pattern = o.examples.pattern("squaretwist")
-    labels = find_labels(pattern)
-    moves = [partial(image, one) for one in labels.symmetries(pattern)]
+    moves = pose(pattern).moves
     x, seen = np.random.default_rng(0).normal(size=pattern.creases), 0
     for move in moves:
         first, second = _images(np.array([x, move(x)]), moves)

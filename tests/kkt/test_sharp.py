@@ -31,7 +31,7 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
     verdicts = []
     for phi in at_limit:
         beside = [x for x in curves if np.abs(x - phi).max() < 0.1]
-        state = judge(problem, phi, contact=False)
+        state = judge(problem.with_contact(False), phi)
         if state.verdict == "not admissible":
             assert not beside
             continue

@@ -252,7 +252,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
 
 
 def test_a_search_that_has_time_leaves_nothing_out():
-    found = find_states("miura:2x2", starts=1, contact=False, seconds=3600.0)
+    found = o.find_minima("miura:2x2", starts=1, contact="fold-limits", seconds=3600.0)
     assert not found.search.left_out
-    nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
+    nothing = o.find_minima(strip(3), starts=1, contact="fold-limits", seconds=0.0)
     assert not nothing.states and "what the pattern gives" in nothing.search.left_out

@@ -56,7 +56,13 @@ def check_admissible(name, seed, contact, most=PROBES):
     """Return how many minima were claimed, and how many states beside them were looked at."""
     pattern = sprung(name, seed)
     body, rng = Rigid(pattern), np.random.default_rng(seed)
-    found = find_states(pattern, starts=1, seed=seed, contact=contact, seconds=5.0, escape=False)
+    found = find_states(
+        pattern.with_contact("full" if contact else "fold-limits"),
+        starts=1,
+        seed=seed,
+        seconds=5.0,
+        escape=False,
+    )
     looked = 0
     for state in found.minima:
         phi, energy = state.phi, float(pattern.energy(state.phi))

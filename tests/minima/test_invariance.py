@@ -1,7 +1,6 @@
 """The same vertex, described otherwise, has the same minima: labels, sides, mirror images and units do not matter."""
 
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -9,57 +8,19 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.kkt import project
-from origami_nlp.pattern import Relabelling
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import shared
+from tests.relabelled_vertex import Relabelling
 
 SAME_MINIMUM = 1e-6
 """Two minima [rad] of two searches are one: far above what the polish leaves, far below what tells minima apart."""
 
 
-@dataclass(frozen=True)
-class Description:
-    """Another description of the same vertex.
-
-    turn: by how many creases the numbering begins later.  mirrored: seen in a mirror that stands on the sheet.
-    over: seen in a mirror that lies under the sheet, mountains for valleys.  factor: of all stiffnesses.
-    """
-
-    turn: int = 0
-    mirrored: bool = False
-    over: bool = False
-    factor: float = 1.0
-
-    def of(self, scene):
-        alpha, k, rest = map(
-            np.array, (scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
-        )
-        if self.mirrored:  # the sector after crease i is the one before it in the mirror
-            alpha = np.roll(alpha[::-1], -1)
-        return replace(
-            scene,
-            vertex=Vertex(tuple(np.roll(alpha, -self.turn).tolist())),
-            stiffness=tuple((self.factor * self.ordered(k)).tolist()),
-            rest_angles=tuple(self.sided(self.ordered(rest)).tolist()),
-        )
-
-    def ordered(self, values):
-        return np.roll(values[..., ::-1] if self.mirrored else values, -self.turn, axis=-1)
-
-    def sided(self, angles):
-        return -angles if self.over else angles
-
-    def back(self, angles):
-        """Fold angles [..., N] of the other description, in the first one's order and signs."""
-        rolled = np.roll(self.sided(angles), self.turn, axis=-1)
-        return rolled[..., ::-1] if self.mirrored else rolled
-
-
 DESCRIPTIONS = {
-    "third crease first": Description(turn=3),
-    "mirrored": Description(mirrored=True),
-    "turned over": Description(turn=2, mirrored=True, over=True),
-    "stiffness times 3.7": Description(factor=3.7),
+    "third crease first": Relabelling(3),
+    "mirrored": Relabelling(0, True),
+    "turned over": Relabelling(2, True, True),
+    "stiffness times 3.7": Relabelling(factor=3.7),
 }
 PLANTED = Scene(
     Vertex((0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)),
@@ -128,7 +89,7 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     other, rng = description.of(scene), np.random.default_rng(number)
     x, residual = project(pose(scene), rng.uniform(-3, 3, (40, scene.degree)))
     x = x[residual <= 1e-13]
-    y = description.sided(description.ordered(x))
+    y = description.seen(x)
     assert len(x) >= 20 and (description.back(y) == x).all()
     ours, theirs = pose(scene), pose(other)
     assert np.abs(theirs.constraints(y)[0]).max() <= 1e-12
@@ -139,16 +100,16 @@ def test_descriptions_are_of_the_same_vertex(name, number):
 
 
 def test_rounding_hangs_on_no_label():
-    """Descents go down under labels that all agree on: of this vertex two labels listed one minimum more."""
+    """Of this vertex two labels listed one minimum more."""
     sectors = (68.0, 46.8, 87.7, 46.6, 64.9, 46.0)
     springs = (1.58, 0.91, 0.7, 0.57, 0.76, 0.79), (0.18, -0.24, 2.29, 2.27, 1.48, 0.86)
     scene = Scene(Vertex.from_degrees(sectors), *springs, "none", "full")
     seen = (
-        Relabelling(0, False, False, 6),
-        Relabelling(2, False, False, 6),
-        Relabelling(1, True, False, 6),
-        Relabelling(3, False, True, 6),
+        Relabelling(),
+        Relabelling(2),
+        Relabelling(1, True),
+        Relabelling(3, over=True),
     )
-    found = [find_minima(one.relabelled(scene), prove=False, escape=False).minima for one in seen]
+    found = [find_minima(one.of(scene), prove=False, escape=False).minima for one in seen]
     energies = [[m.energy for m in minima] for minima in found]
     assert all(one == pytest.approx(energies[0], rel=1e-9) for one in energies)

@@ -81,9 +81,9 @@ def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
             raise np.linalg.LinAlgError("SVD did not converge")
         return judge_end(*given, **named)
 
-    whole = find_states(pattern, starts=2, contact=False, escape=False)
+    whole = find_states(pattern.with_contact("fold-limits"), starts=2, escape=False)
     monkeypatch.setattr(FIND, "judge_end", failing)
-    found = find_states(pattern, starts=2, contact=False, escape=False)
+    found = find_states(pattern.with_contact("fold-limits"), starts=2, escape=False)
     assert found.search.failed == {"LinAlgError: SVD did not converge": 1}
     assert len(whole.minima) - 1 <= len(found.minima) <= len(whole.minima)
     assert not whole.search.failed

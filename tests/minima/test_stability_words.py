@@ -9,6 +9,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.minima import is_affordable, judge_in_full_space
 from origami_nlp.minima.stability import verdict
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import once
 
 SCENE = o.examples.degree6("pi/3", 1)
@@ -28,7 +29,7 @@ def free():
 def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
     assert free.minima and free.stable == free.minima and not free.flags.stability_not_asked
     for m in free.minima:
-        full = judge_in_full_space(free.scene, np.array(m.fold_angles))
+        full = judge_in_full_space(free.model, np.array(m.fold_angles))
         assert verdict(free.scene, m) == full.verdict == "stable"
 
 
@@ -48,8 +49,8 @@ def test_the_full_space_is_asked_where_that_is_affordable():
     assert [m.full_space for m in found.minima] == [m.full_space for m in asked.minima]
     n = 14
     wide = o.Scene(o.Vertex((2 * math.pi / n,) * n), (1.0,) * n, (0.5, -0.5) * (n // 2))
-    assert not wide.group.is_trivial and not is_affordable(wide, 1)
-    assert is_affordable(SCENE, 64) and not is_affordable(SCENE, 65)
+    assert not wide.group.is_trivial and not is_affordable(pose(wide), 1)
+    assert is_affordable(pose(SCENE), 64) and not is_affordable(pose(SCENE), 65)
     free = o.find_minima(
         dataclasses.replace(small, symmetry="none"), max_starts=4, escape=False, prove=False
     )

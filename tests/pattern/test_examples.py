@@ -9,8 +9,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import examples, fold_vertices, parse_fold, scene_at
-from origami_nlp.pattern.labels import every_label
 from tests.independent.rotations import project
+from tests.relabelled_vertex import every_label
 
 KNOWN = {  # name: degrees of interior vertices of the pattern, whether it folds flat vertex by vertex
     "miura": ({4}, True),
@@ -79,7 +79,7 @@ def test_patterns_are_what_is_known_of_them(name):
 def put_down(scene):
     """Sectors and springs of a scene under every label."""
     for labels in every_label(scene.degree):
-        other = labels.relabelled(scene)
+        other = labels.of(scene)
         yield np.array([other.vertex.sector_angles, other.stiffness, other.rest_angles])
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern_states import find, judge, question
+from origami_nlp.pattern_states import find, judge
 from origami_nlp.pattern_states.parts import Places
 from origami_nlp.proof import ReducedVertex, prove, read_certificate
 from tests.command_line import run, scene_file
@@ -86,17 +86,17 @@ def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
 def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     """A saddle that a broken judge calls a minimum: the proof refutes it, and says so."""
     scene = generic(3, 5)
-    true, points = question.prove_list, prove(ReducedVertex(scene)).points
+    true, points = find.prove_list, prove(ReducedVertex(scene)).points
 
-    def prove_wrong(provable, problem, states, contact, wanted):
+    def prove_wrong(provable, problem, states, wanted):
         saddle = next(p for p in points if p.index and 1 not in p.pinned_signs)
-        state = judge(problem, saddle.fold_angles, False)
+        state = judge(problem, saddle.fold_angles)
         assert state.verdict == "saddle"
         states.append(replace(state, verdict="minimum", kind="interior"))
-        return true(provable, problem, states, contact, wanted)
+        return true(provable, problem, states, wanted)
 
     with monkeypatch.context() as patch:
-        patch.setattr(question, "prove_list", prove_wrong)
+        patch.setattr(find, "prove_list", prove_wrong)
         result = find_minima(scene, prove=True, escape=False)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason

@@ -95,9 +95,9 @@ def test_whatever_a_search_names_closes_by_a_product_of_its_own():
 
 def test_a_state_that_does_not_close_has_no_certificate():
     problem, x = pose(UNCLOSED), unclosed().minima[0].phi
-    state = judge(problem, x + 1e-2, False)
+    state = judge(problem, x + 1e-2)
     assert (state.verdict, state.kind) == ("not admissible", "")
-    assert judge(problem, x, False).verdict == "minimum"
+    assert judge(problem, x).verdict == "minimum"
 
 
 def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypatch):

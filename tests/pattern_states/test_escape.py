@@ -10,17 +10,13 @@ from origami_nlp.escapes import ALONE, TRACED, Terrain, escape_paths
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.escape import with_escapes
-from origami_nlp.pattern_states.question import question_of
 from tests.independent.rotations import fold
 from tests.kernels.answers import generic
 
 
 def escapes(scene, minima):
     """The minima with what it takes to leave them where no curve is known."""
-    asked = question_of(scene, True)
-    problem = asked.problem
-    curves = TracedCurves(problem, asked.labels, problem.contact)
-    return with_escapes(curves, minima, asked.symmetries, problem.contact, 1e9)
+    return with_escapes(TracedCurves(pose(scene).arranged()), minima, 1e9)
 
 
 def four(seed, contact="fold-limits"):

@@ -76,7 +76,7 @@ def test_what_closes_to_rounding_beside_the_flat_state_is_undecided(tmp_path):
     problem = PatternProblem(sheet.with_springs(stiffness=1.0, rest_angles=beside.tolist()))
     phi, residual = problem.project(beside)
     assert residual < 1e-12 and np.abs(phi - beside).max() < 1e-5
-    what = judge(problem, phi, contact=False)  # at rest, if it were a state
+    what = judge(problem.with_contact(False), phi)  # at rest, if it were a state
     assert (what.verdict, "exactly" in what.certificate) == ("undecided", True), what
 
 

@@ -49,7 +49,7 @@ def test_a_star_beyond_dense_algebra_is_decided() -> None:
     assert pattern.creases == 403 and problem.sparse
     start, _ = problem.project(next(given(pattern)))
     end = descend_by_newton(problem, start)
-    state = judge(problem, end.phi, contact=False)
+    state = judge(problem.with_contact(False), end.phi)
     assert end.arrived and end.steps < 40 and state.verdict == "minimum"
     # curvature along an orthonormal basis of the kernel from NumPy alone
     j = problem.closure.jacobian(end.phi)

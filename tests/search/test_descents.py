@@ -6,7 +6,7 @@ import pytest
 from origami_nlp import find_minima
 from origami_nlp.numerics import SWITCH
 from origami_nlp.pattern import as_pattern
-from origami_nlp.pattern_problem import PatternProblem, find_labels
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search import FoldedCreases, Follower, Touch, Uniform
 from origami_nlp.search.shares import Shares
 
@@ -15,7 +15,7 @@ from origami_nlp.search.shares import Shares
 @pytest.mark.parametrize("name", ["yoshimura:2x3", "miura:3x3"])
 def test_ends_are_closed_lower_and_do_not_cross(name, kind):
     problem = PatternProblem(as_pattern(name))
-    family, rng = kind(problem, find_labels(problem.pattern)), np.random.default_rng(1)
+    family, rng = kind(problem), np.random.default_rng(1)
     starts, asides = family.draw(rng, 80), rng.normal(size=(80, problem.size))
     legs = Follower(problem).descents(starts, asides, True)
     ways, again = (Follower(problem).each(starts, asides) for _ in range(2))

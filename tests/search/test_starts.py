@@ -24,7 +24,7 @@ from tests.independent.search_sheets import sheet_of
 from tests.patterns import grid
 
 PATTERN = examples.pattern("yoshimura", 2, 3)
-PROBLEM, LABELS = PatternProblem(PATTERN), find_labels(PATTERN)
+PROBLEM = PatternProblem(PATTERN)
 STATES = np.random.default_rng(0).uniform(-3, 3, (3, PATTERN.creases))
 KINDS = [
     one
@@ -37,7 +37,7 @@ KINDS = [
 
 def drawn(kind, seed, many):
     """Starts that a family draws; of changed states, of those of `STATES`."""
-    family, rng = kind(PROBLEM, LABELS), np.random.default_rng(seed)
+    family, rng = kind(PROBLEM), np.random.default_rng(seed)
     if kind is Changed:
         assert not family.draw(rng, many)  # there is nothing to change yet
         for x in STATES:

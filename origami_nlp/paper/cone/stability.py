@@ -168,7 +168,7 @@ def full_space(
         own = ConeBranch(folding.flaps, direction, cone.end)
         x = own.fold_angles(direction * v)
         # k_odd = 1: energies per k_odd
-        energy, judged = float(scene.energy(x)), judge_in_full_space(scene, x)
+        energy, judged = float(scene.energy(x)), judge_in_full_space(problem, x)
         depth = float((flat - energy) / flat) if flat > 0 else math.nan
         where = own, folding.copies, kind, v, energy, depth, tuple(x.tolist())
         slope = tangent_slope(State(problem, x))
