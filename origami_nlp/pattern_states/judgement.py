@@ -30,7 +30,7 @@ from origami_nlp.search import stationary_beside
 FAR_ALONG = 1e-2
 """How far along a mode the energy is asked for [rad]."""
 LEFT = 1e-12
-"""Torque of a minimum, relative to the largest, that Newton takes away."""
+"""Torque, relative to the largest, that Newton takes away."""
 
 
 def judge(problem: PatternProblem, phi: np.ndarray) -> JudgedState:
@@ -142,7 +142,7 @@ def judge_end(problem: PatternProblem, phi: np.ndarray) -> JudgedState:
 
 def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
     """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
-    left = state.kkt_residual > (LEFT if state.verdict == "minimum" else STATIONARY)
+    left = state.kkt_residual > LEFT
     if state.refuted:
         left &= state.kkt_residual < ANSWERED
     elif state.verdict in ("minimum", "undecided"):
