@@ -17,8 +17,7 @@ from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
-from origami_nlp.paths.numbers import with_numbers
-from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque, with_numbers
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters

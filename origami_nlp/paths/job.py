@@ -231,7 +231,8 @@ class FollowedLoad(Ways):
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
-        return r.Leg(int(run.toward), tuple(points), run.why, snap, stiff, tuple(moved))
+        ends = [(points[0].t, points[-1].t), (points[0].angle, points[-1].angle)]
+        return r.Leg(int(run.toward), tuple(points), *ends, run.why, snap, stiff, tuple(moved))
 
     def _stiffness(self, frame: Equilibrium) -> float:
         """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce
 
+FROM_TO = shown("from, to", spec=".6g", between=" to ")
 EVENT_WORDS = {
     "fold": "limit point",
     "nonsmooth-fold": "limit point at a contact",
@@ -54,13 +56,13 @@ class PathPoint(ShortRepr):
         What a load works on; nan over a parameter.
     """
 
-    t: float
+    t: float = field(metadata=shown())
     fold_angles: tuple[float, ...]
-    energy: float
+    energy: float = field(metadata=shown(unit="J"))
     multipliers: tuple[ContactForce, ...]
-    eigenvalue: float
+    eigenvalue: float = field(metadata=shown(unit="N m/rad"))
     full_space_eigenvalue: float
-    angle: float = math.nan
+    angle: float = field(default=math.nan, metadata=shown())
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,10 @@ class KindRange:
         Positions of its first and last point in the branch.
     """
 
-    t: tuple[float, float]
-    kind: str
-    index: int
-    certificate: str
+    t: tuple[float, float] = field(metadata=FROM_TO)
+    kind: str = field(metadata=shown("kind"))
+    index: int = field(metadata=shown("falls in directions"))
+    certificate: str = field(metadata=shown("certificate"))
     points: tuple[int, int]
 
     @property
@@ -181,15 +183,15 @@ class PathEvent(ShortRepr):
         Numbers of the branches that meet there.
     """
 
-    id: int
-    type: str
-    t: float
+    id: int = field(metadata=shown("event"))
+    type: str = field(metadata=shown("type"))
+    t: float = field(metadata=shown("at", spec=".12g"))
     fold_angles: tuple[float, ...]
-    contact: str
+    contact: str = field(metadata=shown("contact"))
     residuals: Residuals
-    located: bool
-    note: str
-    branches: tuple[int, ...]
+    located: bool = field(metadata=shown("located"))
+    note: str = field(metadata=shown("note"))
+    branches: tuple[int, ...] = field(metadata=shown("branches"))
 
     def words(self, *, growing: bool = True) -> str:
         """Return what happens as the parameter grows, or falls: what closes the one way opens the other.
@@ -228,11 +230,11 @@ class SearchCheck:
         degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
     """
 
-    t: float
-    states: int
-    followed: int
-    missed: int
-    complete: str = ""
+    t: float = field(metadata=shown("searched at", spec=".6g"))
+    states: int = field(metadata=shown("minima found"))
+    followed: int = field(metadata=shown("on branches"))
+    missed: int = field(metadata=shown("of these missed"))
+    complete: str = field(default="", metadata=shown("complete"))
 
 
 @dataclass(frozen=True)
@@ -246,12 +248,15 @@ class Interval:
     minima
         Their number.
     kinds
-        Number of each kind.
+        Of each of them, in order.
     """
 
-    t: tuple[float, float]
-    minima: int
-    kinds: dict[str, int]
+    t: tuple[float, float] = field(metadata=FROM_TO)
+    minima: int = field(metadata=shown("minima"))
+    kinds: tuple[str, ...] = field(metadata=shown("kinds"))
+
+    def __str__(self) -> str:
+        return f"{self.minima} ({FROM_TO['shown'].text(self.t)})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -276,15 +281,15 @@ class Snap(ShortRepr):
         Of the state after.
     """
 
-    event: int
-    t: float
-    type: str
+    event: int = field(metadata=shown("snap at event"))
+    t: float = field(metadata=shown("load", spec=".6g"))
+    type: str = field(metadata=shown("type"))
     before: tuple[float, ...]
     after: tuple[float, ...]
-    angle: tuple[float, float]
-    released: float
-    kind: str
-    certificate: str
+    angle: tuple[float, float] = field(metadata=FROM_TO)
+    released: float = field(metadata=shown("energy lost", "J", ".6g"))
+    kind: str = field(metadata=shown("to a state"))
+    certificate: str = field(metadata=shown("certificate"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -297,6 +302,8 @@ class Leg(ShortRepr):
         1 where the load grows, -1 where it falls.
     points
         States in order.
+    t, angle
+        The load, and what it works on, first and last.
     why
         ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
         ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
@@ -312,7 +319,11 @@ class Leg(ShortRepr):
 
     toward: int
     points: tuple[PathPoint, ...] = field(repr=False)
-    why: str
-    snap: int | None
-    stiffness: Unbounded = math.nan
-    moved: tuple[float, ...] = ()
+    t: tuple[float, float] = field(metadata=shown("load", spec=".6g", between=" to "))
+    angle: tuple[float, float] = field(metadata=FROM_TO)
+    why: str = field(metadata=shown("ends"))
+    snap: int | None = field(metadata=shown("snap"))
+    stiffness: Unbounded = field(default=math.nan, metadata=shown("stiffness", spec=".5g"))
+    moved: tuple[float, ...] = field(
+        default=(), metadata=shown("rest angles moved", "rad", "z+.3g")
+    )

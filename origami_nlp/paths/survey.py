@@ -54,8 +54,8 @@ def follow(
         A scene or a pattern, as `find_minima` takes it.
     parameter
         The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_parameter_range`.  Of a pattern also
-        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
-        by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
+        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_numbers`), or an option of an
+        example by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
     full

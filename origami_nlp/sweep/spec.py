@@ -70,8 +70,8 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_path, check_whole, shown
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
-from origami_nlp.paths import Example, with_numbers
 from origami_nlp.pattern import (
+    Example,
     Pattern,
     Scene,
     parse_angle,
@@ -79,6 +79,7 @@ from origami_nlp.pattern import (
     pattern_to_dict,
     read_pattern,
     scene_from_dict,
+    with_numbers,
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import PatternProblem, check_orders

@@ -85,7 +85,6 @@ def test_the_stiffness_at_the_start_is_that_of_the_reduced_hessian(crease, creas
     mean = force @ np.linalg.solve(hessian, force) / len(creases)  # per torque on each of them
     assert found.start_stiffness == pytest.approx(1 / mean, rel=1e-6)
     assert found.stiffness_unit == "N m/rad"
-    assert f"stiffness at the start: {1 / mean:.4g}"[:-1] in str(found)
     after = found.legs[-1].stiffness  # of the state after the snap, under the load there
     assert after > 0 and np.isnan(found.legs[1].stiffness) == (crease == 1)
 

@@ -155,7 +155,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
     assert code == 0, err
     data = json.loads(out)
-    assert data["schema"] == "origami-nlp/path/1" and data["driver"]["unit"] == "N m"
+    assert data["schema"] == "origami-nlp/path/2" and data["driver"]["unit"] == "N m"
     assert [e["type"] for e in data["events"]] == ["fold", "nonsmooth-fold"]
     assert data["events"][0]["t"] == pytest.approx(SNAP, abs=1e-10)
     assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
@@ -163,7 +163,6 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
     assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)
     assert len(draw(loop(), tmp_path / "load.png").axes) == 3
-    assert "after snap 1, contact-pinned" in " ".join(str(loop()).split())
 
 
 @pytest.mark.parametrize(

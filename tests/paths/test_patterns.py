@@ -131,9 +131,9 @@ def test_a_vertex_that_moves_and_what_is_refused():
     atlas = o.follow("miura:2x2", "vertices.x[0]=-0.1:0.1", **FEW)
     assert len(atlas.branches) == 2 and not atlas.events
     for name, word in (
-        ("nothing=0:1", "no place of a pattern"),
-        ("stiffness[99]=1:2", r"\[1\] to \[4\]"),
-        ("vertices.x[99]=0:1", "0 to 8"),
+        ("nothing=0:1", "no number"),
+        ("stiffness[99]=1:2", r"\[1\] to stiffness\[4\]"),
+        ("vertices.x[99]=0:1", r"x\[0\] to x\[8\]"),
     ):
         with pytest.raises(OptionError, match=word):
             o.follow("miura:2x2", name, **FEW)
