@@ -12,18 +12,20 @@ import numpy as np
 from origami_nlp.continuation import (
     AGAIN,
     LATE,
+    START,
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
     Line,
+    SpecialPoint,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import ContactForce, State
+from origami_nlp.kkt import contact_forces
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.problem import Contact
+from origami_nlp.pattern_states import judge
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
@@ -95,20 +97,11 @@ class FollowedDiagram(BifurcationDiagram):
         """Return a state in the scene's units."""
         if frame in self._points:
             return self._points[frame]
-        p, forces = frame.problem, []
-        phi = p.expand(frame.state) + 0.0
-        if frame.hold:
-            spread = _spread(frame.seen)
-            for contact, value in zip(frame.hold, frame.forces.tolist(), strict=True):
-                # moment at each single contact, in the scene's units
-                unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
-                low, high = (unit * v for v in spread.get(contact, (value, value)))
-                touching = who.text, who.creases, who.facets, who.corners, who.side, who.place
-                forces.append(ContactForce(who.type, value * unit, (low, high), *touching))
+        phi = frame.problem.expand(frame.state) + 0.0
         found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
-            multipliers=tuple(forces),
+            multipliers=contact_forces(frame.seen, frame.hold) if frame.hold else (),
             eigenvalue=least_eigenvalue(frame),
             full_space_eigenvalue=math.nan if self.cut else self.across(frame),
             **self.seen_as(frame, phi),
@@ -125,17 +118,26 @@ class FollowedDiagram(BifurcationDiagram):
 
     def listed_at(self, value: float) -> tuple[JudgedState, ...]:
         """Return the states of all branches at one value of the parameter, judged there."""
-        out, scale = list[JudgedState](), self.line.problem.scale
+        out = []
         for frame in self.frames_at(self.parameter.s_of(value)):
-            what, phi = frame.judged, frame.seen.fold_angles
-            state = JudgedState(
-                self.seen_as(frame, phi)["energy"], tuple(phi.tolist()), what.verdict, what.reason,
-                what.kind or "", what.local_dimension, contacts=what.contacts,
-                closure_residual=frame.seen.residual, kkt_residual=frame.system.residual,
-            )  # fmt: skip
-            out.append(state)
+            energy = self.seen_as(frame, frame.seen.fold_angles)["energy"]
+            out.append(
+                replace(judge(frame.problem, frame.state, frame.problem.contact), energy=energy)
+            )
         # ties (mirror images of one another) in a fixed order
+        scale = self.line.problem.scale
         return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))
+
+    def split(self, k: int, frame: Equilibrium) -> int:
+        """Make a state on an arc a node, and return its number."""
+        arc, number = self.arcs[k], len(self.nodes)
+        forward = arc.frames[-1].s > arc.frames[0].s
+        before = [f for f in arc.frames if (f.s < frame.s) == forward and f.s != frame.s]
+        after = arc.frames[len(before) + (arc.frames[len(before)].s == frame.s) :]
+        self.nodes.append(SpecialPoint(START, frame.x))
+        self.arcs[k] = replace(arc, frames=(*before, frame), end=number)
+        self.arcs.append(replace(arc, frames=(frame, *after), start=number))
+        return number
 
     def _chains(self) -> list[Chain]:
         """Join arcs at nodes where just two of them meet; others end there."""
@@ -241,14 +243,3 @@ def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
             t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
             return [*ranges[:-1], replace(old, t=t, points=points)]
     return [*ranges, new]
-
-
-def _spread(state: State) -> dict[Contact, tuple[float, float]]:
-    """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
-    out: dict[Contact, tuple[float, float]] = {}
-    for piece in state.pieces:
-        found = state.on(piece).multiplier_set
-        if not found.unique:
-            for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
-                out.setdefault(contact, (float(low), float(high)))
-    return out

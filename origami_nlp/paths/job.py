@@ -80,20 +80,15 @@ class FollowedLoad(Ways):
         energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
         return {"energy": energy, "angle": float(self.driver.conjugate(phi))}
 
-    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
-        """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
-        if not self.holding(x, s) and self.given(x, s) is None:
-            self.add(x, s, "minimum", toward, follow)
-
     def go(self, x: np.ndarray, s: float, end: float, *, once: bool) -> Arrived | None:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives."""
         toward, ways, alarms = 1.0 if end > s else -1.0, self.record.ways, self.record.alarms
         far = self.parameter.high if toward < 0 else self.parameter.low
         before: tuple[Equilibrium, ...] = ()  # stable states that branched off and led to x
-        self.begin(x, s, toward)
+        number = self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
-            # x is stable at s, and the load runs on from there
-            way = self.walk(x, s, toward, end)
+            # the node is stable, and the load runs on from there
+            way = self.walk(number, toward, end)
             if self.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
                     ways.append(way._replace(why=LATE, branches_off=bool(before)))
@@ -116,20 +111,23 @@ class FollowedLoad(Ways):
                 return (last.state, last.s) if way.why == "range" else None
             x, s = self._chosen(landed.state, node), landed.s
             if node.type == "branching":
-                self.begin(x, s, toward)
-                led = self.walk(x, s, -toward, far, last=way.node)
+                number = self.begin(x, s, toward)
+                led = self.walk(number, -toward, far, last=way.node)
                 if led is not None and led.node == way.node:
                     # stable states branch off there: the load goes on along them
                     ways[-1], before = way._replace(why=r.PITCHFORK), led.frames[:0:-1]
                     continue
-                if self._continuous(node, x, s):
+                # a snap loses energy at the end already; along states that branch off it is lost by and by, less than
+                # the same two states lose by the change of the load
+                lost, there = (self._released(t, node.point[:-1], x) for t in (s, node.s))
+                if lost <= 2 * abs(lost - there):
                     ways[-1] = way
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
             ways[-1] = way._replace(why="snap", fall=landed._replace(state=x))
             if not self.low <= s <= self.high:
                 return None
-            self.begin(x, s, toward, follow=not once)
+            number = self.begin(x, s, toward, follow=not once)
             if once:
                 return x, s
         alarms.append(f"more than {MOST_SNAPS} snaps")
@@ -141,15 +139,6 @@ class FollowedLoad(Ways):
             return x
         images = self.driver.images(x, node.point[:-1])
         return max(images, key=lambda y: tuple(coarse(y).tolist()))
-
-    def _continuous(self, node: SpecialPoint, x: np.ndarray, s: float) -> bool:
-        """Whether a state x at s, beyond the end of a way, lies on states that branch off there.
-
-        A snap loses energy at the end s0 already; along states that branch off it is lost by and by, less than the same
-        two states lose by the change of the load from s0 to s.
-        """
-        lost, at_the_node = (self._released(t, node.point[:-1], x) for t in (s, node.s))
-        return lost <= 2 * abs(lost - at_the_node)
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state less that of another one, at a load."""
@@ -224,7 +213,7 @@ class FollowedLoad(Ways):
         first = run.frames[0]
         points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
-            phi = self.problem.expand(node.point[:-1])
+            phi = self.line.problem.expand(node.point[:-1])
             more = {"multipliers": (), **self.seen_as(first, phi)}
             more |= dict.fromkeys(("eigenvalue", "full_space_eigenvalue"), math.nan)
             points.append(r.PathPoint(node.s, tuple(phi.tolist()), **more))
@@ -245,7 +234,7 @@ class FollowedLoad(Ways):
         found, fall, alarms = self.nodes[run.node], run.fall, self.record.alarms
         assert fall is not None
         before, after = found.point[:-1], self._at_the_snap(fall.state, fall.s, found.s)
-        one, two = (self.problem.expand(x) + 0.0 for x in (before, after))
+        one, two = (self.line.problem.expand(x) + 0.0 for x in (before, after))
         far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
         event = events[far.index(min(far))]
         if self.hinges and (over := self.hinges.over(two)):
@@ -259,14 +248,15 @@ class FollowedLoad(Ways):
 
     def _at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
-        begun, on_path = self.given(landed, s), self.holding(landed, s)
-        if not on_path and begun is None:
+        if (number := self.known(landed, s)) is None:
             return landed
-        same = self.arcs[on_path[0][0]].at(at) if on_path else None
-        frame = on_path[0][1] if on_path else self.nodes[begun or 0].halves[0].frame
-        curve = EquilibriumCurve(self.line, frame.hold)
-        if same is None and frame.ahead:
+        arcs = [arc for arc in self.arcs if number in (arc.start, arc.end)]
+        same = next(filter(None, (arc.at(at) for arc in arcs)), None)
+        begun = [half.frame for half in self.nodes[number].halves]
+        frame = [*begun, *(f for arc in arcs for f in (arc.frames[0], arc.frames[-1]))][0]
+        if same is None and begun and frame.ahead:
             # where closure loses rank Newton at a load needs a state nearer than the last one
+            curve = EquilibriumCurve(self.line, frame.hold)
             near = curve.beside(frame, (at - frame.s) * self.line.weight / frame.ahead) or frame
             same = curve.at(near.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state

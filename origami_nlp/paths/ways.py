@@ -54,61 +54,49 @@ class Run(NamedTuple):
 class Ways(FollowedDiagram):
     """A diagram over a load, through which stable states lead."""
 
-    @property
-    def problem(self) -> Any:
-        """Of the line that is followed."""
-        return self.line.problem
-
-    def holding(self, x: np.ndarray, s: float) -> list[tuple[int, Equilibrium]]:
-        """Return the arcs that hold the stable state x at s, and the state there."""
-        stable = [(k, f) for k, f in self.states_at(s) if not f.index]
-        return [(k, f) for k, f in stable if np.abs(f.state - x).max() <= SETTLED]
-
-    def given(self, x: np.ndarray, s: float) -> int | None:
-        """Return the node at which the state x was given at s; None where it was not."""
+    def known(self, x: np.ndarray, s: float) -> int | None:
+        """Return the node at which the stable state x is at s; a state on an arc becomes one.  None of no such."""
         point = np.append(x, s)
-        begun = ((k, node.point) for k, node in enumerate(self.nodes) if node.halves)
-        return next((k for k, at in begun if np.abs(at - point).max() <= SETTLED), None)
+        for number, node in enumerate(self.nodes):
+            if np.abs(node.point - point).max() <= SETTLED:
+                return number
+        for k, frame in self.states_at(s):
+            if not frame.index and np.abs(frame.state - x).max() <= SETTLED:
+                return self.split(k, frame)
+        return None
 
-    def walk(self, x: Any, s: float, toward: float, end: float, last: int = -1) -> Run | None:
-        """Go from the stable state x at s towards the load `end`, up to the limit point or bifurcation that ends it.
+    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> int:
+        """Return the node of the minimum x at s; what comes of a new one is followed, one way at first."""
+        if (number := self.known(x, s)) is not None:
+            return number
+        number = len(self.nodes)
+        self.add(x, s, "minimum", toward, follow)
+        return number
 
-        None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the
-        way goes on there.  last: a node at which the way ends, too.
+    def walk(self, node: int, toward: float, end: float, last: int = -1) -> Run | None:
+        """Go from the stable state at a node towards the load `end`, up to the limit point or bifurcation that ends it.
+
+        None where no stable state is known there.  What was left of it (`BifurcationDiagram.resume`) is followed where
+        the way goes on there.  last: a node at which the way ends, too.
         """
-
-        def ahead() -> list[int]:
-            arcs = [(k, self._far(k, toward)) for k, _ in self.holding(x, s)]
-            return [k for k, far in arcs if (far - s) * toward > SETTLED * abs(toward)]
-
-        if not (arcs := ahead()):
-            begun, known = self.given(x, s), self.holding(x, s)
-            if begun is not None and self.resume(begun, toward):
-                return self.walk(x, s, toward, end, last)
-            if not known:
-                return None
-            number, frame = known[0]
-            arc = self.arcs[number]
-            near = min((arc.start, arc.end), key=lambda k: abs(self.nodes[k].s - s))
-            arcs = ahead() if self.resume(near, toward) else []
-            if not arcs:
-                return Run(self, (frame,), near, self._why(near, end), toward)
-        k = arcs[0]
-        here = self.arcs[k].at(s)
-        frames = [] if here is None else [here]
+        frames, k = list[Equilibrium](), -1
         while True:
-            arc = self.arcs[k]
-            forward = (arc.frames[-1].s - arc.frames[0].s) * toward > 0
-            begin = frames[-1].s if frames else s
-            # what of an arc lies behind the state is left out
-            frames += [f for f in arc.frames[:: 1 if forward else -1] if (f.s - begin) * toward > 0]
-            node = arc.end if forward else arc.start
             why, onward = self._why(node, end), self._onward(node, k, toward)
-            if not onward and why != "range" and self.resume(node, toward):
+            if not onward and (why != "range" or not frames) and self.resume(node, toward):
                 onward = self._onward(node, k, toward)
-            if why == "range" or not onward or node == last or self._leaves_flat(node):
-                return Run(self, tuple(frames), node, why, toward)
+            stops = why == "range" or node == last or self._leaves_flat(node)
+            if not onward or (frames and stops):
+                break
             k = onward[0]
+            arc = self.arcs[k]
+            forward = arc.start == node
+            frames += arc.frames[:: 1 if forward else -1][bool(frames) :]
+            node = arc.end if forward else arc.start
+        meet = [
+            a.frames[0 if a.start == node else -1] for a in self.arcs if node in (a.start, a.end)
+        ]
+        frames = frames or [f for f in meet if not f.index][:1]
+        return Run(self, tuple(frames), node, why, toward) if frames else None
 
     def _leaves_flat(self, node: int) -> bool:
         """Return whether a node is the flat state, and the load pulls from there along another branch than the one that
