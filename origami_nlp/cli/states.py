@@ -3,12 +3,10 @@ printed and written."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import require
+from origami_nlp.arguments import check_whole, require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
@@ -137,9 +135,6 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
         return clock.within(find_barriers, stated, seed=seed, progress=report.at)
 
 
-SMALLEST, LARGEST = 16, 4097
-
-
 @writes("json", "figure", "html", verbose=True)
 def landscape(
     origami: Source,
@@ -163,8 +158,7 @@ def landscape(
     if critical or space:
         with progress(f"{name}: critical points" if critical else f"{name}: mesh, walls, layers"):
             return (paper.find_critical_points if critical else paper.find_space)(stated)
-    if not SMALLEST <= size <= LARGEST:
-        raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
+    check_whole("--size", size, 16, 4097)
     if chart_of(stated) is None:
         why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
@@ -230,7 +224,8 @@ def sweep(
 
     stated = read_sweep(spec)
     note_normalized(stated.normalized, ", at most")
-    with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+    executor = _executor(dask) if dask else None
+    with progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
         say = lambda done, total, states: report(done, total, f"{states} states")  # noqa: E731
         options = {"executor": executor, "workers": workers, "progress": say}
@@ -250,23 +245,16 @@ def sweep(
     return Ended.NO if failed else Ended.DONE
 
 
-@contextmanager
-def _executor(address: str | None) -> Iterator[Any]:
-    """The executor of a Dask cluster, or None for processes."""
-    if address is None:
-        yield None
-        return
+def _executor(address: str) -> Any:
+    """Return the executor of a Dask cluster."""
     distributed = require("distributed", "--dask", "sweep", SweepError)
     try:
         distributed.comm.get_address_host_port(address)  # a client without an address raises again
         client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise SweepError(f"--dask {address!r} cannot be reached: {error}") from None
-    try:
-        pool = client.get_executor()
-        pool.num_workers = sum(client.nthreads().values())
-        if not pool.num_workers:
-            raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
-        yield pool
-    finally:
-        client.close()
+    pool = client.get_executor()
+    pool.num_workers = sum(client.nthreads().values())
+    if not pool.num_workers:
+        raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
+    return pool
