@@ -187,12 +187,12 @@ def design(
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
     from origami_nlp.inverse_design import design as find, read_targets
-    from origami_nlp.pattern import Pattern, Vertex, format_scene
+    from origami_nlp.pattern import Pattern, Scene, format_scene
     from origami_nlp.pattern_problem import states_to_fold
 
     question = read_targets(targets)
-    if isinstance(question.origami, Vertex):
-        note_normalized(question.origami.normalized)
+    if isinstance(question.origami, Scene):
+        note_normalized(question.origami.vertex.normalized)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
