@@ -10,18 +10,6 @@ from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce
 
 FROM_TO = shown("from, to", spec=".6g", between=" to ")
-EVENT_WORDS = {
-    "fold": "limit point",
-    "nonsmooth-fold": "limit point at a contact",
-    "branching": "branch point",
-    "closes": "contact closes",
-    "leaves": "contact opens",
-    "breaks-symmetry": "loses stability without its symmetry",
-    "singular": "closure loses rank",
-    "yields": "hinge yields, its rest angle moves",
-    "unloads": "hinge turns back, elastic about its moved rest angle",
-}
-"""Types of events as reports say them."""
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
 """Kinds of minima."""
 PITCHFORK = "pitchfork"
@@ -193,22 +181,9 @@ class PathEvent(ShortRepr):
     note: str = field(metadata=shown("note"))
     branches: tuple[int, ...] = field(metadata=shown("branches"))
 
-    def words(self, *, growing: bool = True) -> str:
-        """Return what happens as the parameter grows, or falls: what closes the one way opens the other.
-
-        Parameters
-        ----------
-        growing
-            Whether it grows.
-
-        Returns
-        -------
-        str
-            With the contact, or the creases.
-        """
-        other = {} if growing else {"closes": "leaves", "leaves": "closes"}
-        kind = other.get(self.type, self.type)
-        return EVENT_WORDS.get(kind, kind) + (f": {self.contact}" if self.contact else "")
+    def words(self) -> str:
+        """Return the type, with the contact or the creases."""
+        return f"{self.type}: {self.contact}" if self.contact else self.type
 
 
 @dataclass(frozen=True)

@@ -34,13 +34,10 @@ def follow(
     checks: int = 3,
     full: bool = True,
     prove: bool | float | ProofOptions = False,
-    effort: str = "normal",
-    seed: int = 0,
-    max_starts: int | None = None,
-    starts: int | None = None,
     options: ContinuationOptions | None = None,
     seconds: float | None = None,
     progress: Callable[[str], object] | None = None,
+    **search: Any,
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
 
@@ -62,14 +59,14 @@ def follow(
         Whether events at which a symmetric state loses its stability without the symmetry are located.
     prove
         Whether it is proved at each check that no minimum is missing, or the seconds for it, as for `find_minima`.
-    effort, seed, max_starts, starts
-        Of the searches, see `find_minima`.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
         Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
     progress
         Called with what it is at, in words, whenever that changes.
+    **search
+        Of the searches: effort, seed, max_starts, starts of `find_minima`.
 
     Returns
     -------
@@ -101,14 +98,15 @@ def follow(
     check_prove("prove", prove)
     check_type("options", options or STEPS, ContinuationOptions)
     asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
-    asked |= {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     what: Any = as_origami(origami)
     whole = origami if isinstance(origami, str) else what
     others = ""
     if isinstance(what, Scene):
         whole = with_generic_symmetry(what, (stated,))
         others = " and ".join(map(str, whole.windings[1:]))
-    found = follow_family(family_of(whole, stated), until=until, progress=progress, **asked)
+    found = follow_family(
+        family_of(whole, stated), until=until, progress=progress, **asked, **search
+    )
     if others:  # each winding is a problem of its own
         more = f"states that wind {others} times round are not followed: state their winding"
         found = replace(found, alarms=(*found.alarms, more))
