@@ -166,6 +166,7 @@ class Driver:
         """
         number, driver = 0, self
         if not isinstance(state, JudgedState):
+            check_whole("state", state, 1)
             try:
                 result = search_minima(self.unloaded, until, **asked)
             except Interrupted:  # what it found is no path

@@ -139,8 +139,9 @@ class Path(Report, Viewable):
 
     def known_sections(self) -> Iterator[Section]:
         """Return the events, what is not known, and the number of steps: the end of each report."""
-        if self.events:
-            yield listed(self.events, f"Events over {self.parameter.stated}")
+        # digits that are not sure are not printed
+        sure = (e if e.located else replace(e, t=float(f"{e.t:.6g}")) for e in self.events)
+        yield listed([*sure], f"Events over {self.parameter.stated}")
         yield from (Words(line, "bold") for line in self.alarms)
         yield Words(f"{self.steps} steps", "dim")
 

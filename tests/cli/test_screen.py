@@ -115,19 +115,6 @@ def test_hostile_names_reach_no_terminal(tmp_path):
     assert not set(repr(named)) & set("\x1b\x07\x9b\r\u202e")
 
 
-def test_half_a_character_is_no_traceback(tmp_path):
-    data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
-    fold, out = tmp_path / "a.fold", tmp_path / "out.fold"
-    fold.write_text(json.dumps({**data, "frame_title": "a\ud800b"}))
-    quick = ("--max-starts", "9", "--prove", "0")
-    assert run("inspect", fold, "-o", tmp_path / "v.json").code == 0
-    assert run("minima", fold, *quick, "-o", out, "-o", tmp_path / "a.svg").code == 0
-    assert "a?b" in json.loads(out.read_text())["file_title"]
-    vertex = origami_nlp.Vertex.from_degrees([90] * 4)
-    with pytest.raises(origami_nlp.OrigamiError, match="name"):
-        origami_nlp.Scene(vertex, [1] * 4, [0.1] * 4, name="\ud800")
-
-
 # ---------------------------------------------------------------- progress
 
 

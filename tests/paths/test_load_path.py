@@ -106,32 +106,11 @@ def test_states_on_the_path_close_and_balance_by_finite_differences():
             assert np.abs(left).max() < 1e-8
 
 
-def test_legs_are_turned_with_a_slider_over_the_load():
-    content = loop().view_content()
-    assert len(content.stations) == len(loop().events) + len(loop().snaps)
-    for leg, track in zip(loop().legs, content.tracks, strict=True):
-        assert track.parameter.tolist() == [p.t for p in leg.points]
-        apex, *ends = track.states[-1].corners  # each facet keeps its angle as it turns
-        sectors = np.array(SCENE.vertex.sector_angles)
-        cosines = np.sum(np.array(ends) * np.roll(ends, -1, axis=0), axis=1)
-        assert np.abs(apex).max() == 0 and cosines == pytest.approx(np.cos(sectors), abs=1e-12)
-
-
 def test_a_state_that_is_stable_with_its_symmetry_alone_keeps_it_and_says_so():
     path = load_path(examples.degree6("pi/3"), 1, to=0.06, effort="quick", max_starts=24)
     assert path.driver.keeps == "D1" and len(path.alarms) == 1 and "keeps it" in path.alarms[0]
     for p in path.legs[0].points:  # creases 2 and 6, 3 and 5 are images
         assert p.fold_angles[1:3] == p.fold_angles[:3:-1]
-
-
-@pytest.mark.slow  # full-space searches of 8 creases
-def test_vertices_that_only_touch_do_not_snap():
-    path = load_path(examples.degree6("pi/4"), 1, **QUICK)
-    assert not path.snaps and {e.type for e in path.events} <= {"closes", "leaves"}
-    path = load_path(examples.degree8("pi/6"), 1, to=0.2, max_starts=24)
-    assert not path.snaps and path.driver.creases == (1, 5)
-    closes = [e.t for e in path.events if e.type == "closes"]
-    assert min(closes) == pytest.approx(0.158554373254, abs=1e-11)
 
 
 def test_a_force_snaps_a_vertex_and_searches_on_both_sides_confirm_it():
