@@ -21,7 +21,6 @@ from .parameter_range import (
     parse_parameter_range as parse_parameter_range,
 )
 from .records import (
-    KindRange as KindRange,
     Leg as Leg,
     PathBranch as PathBranch,
     PathEvent as PathEvent,

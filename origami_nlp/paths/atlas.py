@@ -52,7 +52,7 @@ class Atlas(Path):
     --------
     >>> import origami_nlp as o
     >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
-    >>> [interval.minima for interval in atlas.intervals], [branch.kind_ranges[0].kind for branch in atlas.branches]
+    >>> [interval.minima for interval in atlas.intervals], [branch.kind for branch in atlas.branches]
     ([2], ['interior', 'contact-touching'])
     """
 
@@ -79,14 +79,16 @@ class Atlas(Path):
     @property
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
-        ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
-        cuts = sorted({self.parameter.low, self.parameter.high, *(t for r in ranges for t in r.t)})
+        ranges = [(*sorted(b.t), b.kind) for b in self.branches if b.stable]
+        cuts = sorted(
+            {self.parameter.low, self.parameter.high, *(t for r in ranges for t in r[:2])}
+        )
         out: list[Interval] = []
         # images of one event under a symmetry of the scene come at one value, up to rounding
         apart = [a for a, b in itertools.pairwise(cuts) if b - a > DUPLICATE_TOL * max(1.0, abs(b))]
         for a, b in itertools.pairwise([*apart, cuts[-1]]):
             middle = 0.5 * (a + b)
-            kinds = tuple(sorted(r.kind for r in ranges if r.low < middle < r.high))
+            kinds = tuple(sorted(kind for low, high, kind in ranges if low < middle < high))
             begin = out.pop().t[0] if out and out[-1].kinds == kinds else a
             out.append(Interval((begin, b), len(kinds), kinds))
         return tuple(out)
@@ -159,5 +161,4 @@ class Atlas(Path):
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield Words(f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}", "bold")
-        each = ((b, f"Branch {b.id}: {b.ends[0]} to {b.ends[1]}") for b in self.branches)
-        yield Details([listed(b.kind_ranges, title) for b, title in each], "Branches")
+        yield Details([listed(self.branches, "Branches")], "Branches")

@@ -79,15 +79,12 @@ def _shown(path: Path, panel: Plot, points: Any) -> np.ndarray:
 def _branches(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
     """Draw minima by solid lines, other states by dashed ones."""
     for branch in path.branches:
-        at = _shown(path, panel, branch.points)
-        for r in branch.kind_ranges:
-            own = slice(r.points[0], r.points[1] + 1)
-            look = SOLID if r.stable else DASHED
-            line = axes.plot(*at[own].T, color=COLOURS.get(r.kind, OTHER), **look)[0]
-            handles.setdefault(r.kind, line)
-            kept = np.array([r.stable and p.full_space_eigenvalue < 0 for p in branch.points[own]])
-            if kept.any():
-                axes.plot(*np.where(kept[:, None], at[own], np.nan).T, **DOTS)
+        at, look = _shown(path, panel, branch.points), SOLID if branch.stable else DASHED
+        line = axes.plot(*at.T, color=COLOURS.get(branch.kind, OTHER), **look)[0]
+        handles.setdefault(branch.kind, line)
+        kept = np.array([branch.stable and p.full_space_eigenvalue < 0 for p in branch.points])
+        if kept.any():
+            axes.plot(*np.where(kept[:, None], at, np.nan).T, **DOTS)
 
 
 def _events(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -29,8 +29,6 @@ from origami_nlp.pattern_states import judge
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
-Chain: TypeAlias = list[tuple[int, bool]]
-"""Arcs in order, each with whether it is run from its start to its end."""
 
 
 class FollowedDiagram(BifurcationDiagram):
@@ -79,19 +77,13 @@ class FollowedDiagram(BifurcationDiagram):
 
     def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
         """Return branches and events with their numbers."""
-        chains = self._chains()
-        number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
-        meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
             if k not in self._kinds:
                 self._kinds[k] = kind_of(arc, judged=not self.cut)
-            for node in (arc.start, arc.end):
-                meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
         shown.sort(key=lambda k: self.nodes[k].s)
-        ids = {k: i for i, k in enumerate(shown, start=1)}
-        events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        return tuple(self._branch(k, c) for k, c in enumerate(chains, start=1)), events
+        events = tuple(self._event(*numbered) for numbered in enumerate(shown, start=1))
+        return tuple(map(self._branch, range(len(self.arcs)))), events
 
     def point(self, frame: Equilibrium) -> r.PathPoint:
         """Return a state in the scene's units."""
@@ -139,34 +131,9 @@ class FollowedDiagram(BifurcationDiagram):
         self.arcs.append(replace(arc, frames=(frame, *after), start=number))
         return number
 
-    def _chains(self) -> list[Chain]:
-        """Join arcs at nodes where just two of them meet; others end there."""
-        meeting: dict[int, list[int]] = {}
-        for k, arc in enumerate(self.arcs):
-            meeting.setdefault(arc.start, []).append(k)
-            meeting.setdefault(arc.end, []).append(k)
-        left = set(range(len(self.arcs)))
-
-        def walk(k: int, node: int) -> Chain:
-            chain: Chain = []
-            while k in left:
-                left.discard(k)
-                forward = self.arcs[k].start == node
-                chain.append((k, forward))
-                node = self.arcs[k].end if forward else self.arcs[k].start
-                onward = [other for other in meeting[node] if other != k]
-                if len(meeting[node]) != 2 or not onward:
-                    break
-                k = onward[0]
-            return chain
-
-        # ends of branches: where one arc ends, or three and more meet; then closed curves
-        ends = [(k, node) for node, arcs in sorted(meeting.items()) if len(arcs) != 2 for k in arcs]
-        ends += [(k, arc.start) for k, arc in enumerate(self.arcs)]
-        return [walk(k, node) for k, node in ends if k in left]
-
-    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> r.PathEvent:
-        node = self.nodes[at]
+    def _event(self, number: int, at: int) -> r.PathEvent:
+        node, arcs = self.nodes[at], enumerate(self.arcs, start=1)
+        meets = tuple(k for k, arc in arcs if at in (arc.start, arc.end))
         problem, note = self.line.at(node.s), node.why
         if node.between is not None:
             low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
@@ -189,25 +156,13 @@ class FollowedDiagram(BifurcationDiagram):
         named = named or [after for contacts, after in held if len(contacts) == most]
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
-    def _branch(self, number: int, chain: Chain) -> r.PathBranch:
-        points, ranges = list[r.PathPoint](), list[r.KindRange]()
-        for k, forward in chain:
-            arc = self.arcs[k]
-            frames = arc.frames if forward else arc.frames[::-1]
-            begin = len(points) - bool(points)  # arcs share the point at which they meet
-            points += [self.point(f) for f in frames[bool(points) :]]
-            t = self.parameter.t_of(frames[0].s), self.parameter.t_of(frames[-1].s)
-            kind, why = self._kinds[k]
-            place = begin, len(points) - 1
-            ranges = _joined(ranges, r.KindRange(t, kind, arc.index, why, place))
-        (a, forward), (b, onward) = chain[0], chain[-1]
-        first = self.arcs[a].start if forward else self.arcs[a].end
-        final = self.arcs[b].end if onward else self.arcs[b].start
-        both = (self.nodes[k] for k in (first, final))
+    def _branch(self, k: int) -> r.PathBranch:
+        arc, (kind, why) = self.arcs[k], self._kinds[k]
+        points = tuple(map(self.point, arc.frames))
+        both = (self.nodes[node] for node in (arc.start, arc.end))
         begins, ends = (": ".join(filter(None, (node.type, node.why))) for node in both)
-        if first == final and len(chain) > 1:
-            begins = ends = "closed curve"
-        return r.PathBranch(number, tuple(ranges), tuple(points), (begins, ends))
+        t = points[0].t, points[-1].t
+        return r.PathBranch(k + 1, t, kind, arc.index, why, points, (begins, ends))
 
 
 def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
@@ -234,12 +189,3 @@ def kind_of(arc: BranchSegment, judged: bool = True) -> tuple[str, str]:
     found = [arc.frames[k].judged for k in dict.fromkeys(inner)]
     worst = next((what for what in found if what.kind not in r.COUNTED), found[0])
     return worst.kind or worst.verdict, worst.reason
-
-
-def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
-    """Add a range; one that goes on in the same kind and direction is made longer."""
-    if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
-        if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
-            t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
-            return [*ranges[:-1], replace(old, t=t, points=points)]
-    return [*ranges, new]

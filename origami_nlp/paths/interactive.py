@@ -48,9 +48,9 @@ def view_path(path: Path) -> Content:
         turns = (np.flatnonzero(steps[1:] * steps[:-1] < 0) + 1).tolist()
         for a, b in zip([0, *turns], [*turns, len(t) - 1], strict=True):
             if t[a] != t[b]:
-                points, kinds = curve.points[a : b + 1], dict.fromkeys(curve.kinds[a : b + 1])
+                points = curve.points[a : b + 1]
                 ends = f"{over.shown(t[a])} to {over.shown(t[b])}"
-                title = f"{curve.word} {curve.id}, {ends}: {', '.join(kinds)}"
+                title = f"{curve.word} {curve.id}, {ends}: {curve.kind}"
                 drawn = [over.drawn(v) for v in t[a : b + 1]]
                 states, middle = [folded(p) for p in points], points[len(points) // 2]
                 tracks.append(join_states(title, states, view(middle), drawn, over.axis))

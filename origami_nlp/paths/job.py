@@ -311,7 +311,7 @@ class FollowedLoad(FollowedDiagram):
         if kept.stages:
             used = {snap.event for snap in snaps}
             passed = [e for e in passed if e.id in used or e.fold_angles in on_path]
-        kept.alarms += [line for branch in branches for line in branch.alarms()]
+        kept.alarms += [branch.alarm for branch in branches if branch.alarm]
         kept.alarms += [r.STOPPED] * self.stopped
         alarms = tuple(dict.fromkeys(kept.alarms))
         return LoadPath(

@@ -107,7 +107,7 @@ class LoadPath(Path):
     def curves(self) -> list[Track]:
         """The legs: stable states."""
         each = [leg.points for leg in self.legs]
-        return [Track("leg", k, p, ["minimum"] * len(p)) for k, p in enumerate(each, start=1)]
+        return [Track("leg", k, p, "minimum") for k, p in enumerate(each, start=1)]
 
     @property
     def stations(self) -> list[Station]:
@@ -148,10 +148,14 @@ class LoadPath(Path):
 
     @property
     def span(self) -> tuple[float, float]:
-        """The loads of the path, and some beyond."""
+        """The loads of the path, not far beyond its last event."""
         loads = [t for leg in self.legs for t in leg.t] or [0.0]
-        room = 0.08 * (max(loads) - min(loads)) or 1.0
-        return min(loads) - room, max(loads) + room
+        low, high = min(loads), max(loads)
+        events = [0.0, *(e.t for e in self.events if low <= e.t <= high)]
+        more = 0.3 * (max(events) - min(events)) or high - low
+        low, high = max(low, min(events) - more), min(high, max(events) + more)
+        room = 0.08 * (high - low) or 1.0
+        return low - room, high + room
 
     def report_sections(self) -> Iterator[Section]:
         """Return what the state does: legs, snaps, events; and what is not known."""

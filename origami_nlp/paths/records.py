@@ -10,6 +10,7 @@ from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce
 
 FROM_TO = shown("from, to", spec=".6g", between=" to ")
+MOVES = shown("moves", spec="z.5f", between=" to ")
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
 """Kinds of minima."""
 PITCHFORK = "pitchfork"
@@ -53,14 +54,16 @@ class PathPoint(ShortRepr):
     angle: float = field(default=math.nan, metadata=shown())
 
 
-@dataclass(frozen=True)
-class KindRange:
-    """What a branch is over a part of the parameter.
+@dataclass(frozen=True, repr=False)
+class PathBranch(ShortRepr):
+    """States of one kind that are followed one to the next, from one event, or end, to another.
 
     Attributes
     ----------
+    id
+        From 1.
     t
-        Its ends, in the order of the branch.
+        The parameter at its ends, in its order.
     kind
         Of a minimum, or ``saddle``, or the verdict.
     index
@@ -68,64 +71,30 @@ class KindRange:
     certificate
         Of the state in the middle, in words; "" for saddles.
     points
-        Positions of its first and last point in the branch.
+        Its states, in order.
+    ends
+        Why it ends, first and last: ``range``, ``start`` (of a state that was given), or the type of the event, with
+        words.
     """
 
+    id: int = field(metadata=shown("branch"))
     t: tuple[float, float] = field(metadata=FROM_TO)
     kind: str = field(metadata=shown("kind"))
-    index: int = field(metadata=shown("falls in directions"))
+    index: int
     certificate: str = field(metadata=shown("certificate"))
-    points: tuple[int, int]
-
-    @property
-    def low(self) -> float:
-        """Smallest t."""
-        return min(self.t)
-
-    @property
-    def high(self) -> float:
-        """Largest t."""
-        return max(self.t)
+    points: tuple[PathPoint, ...] = field(repr=False)
+    ends: tuple[str, str] = field(metadata=shown("ends"))
 
     @property
     def stable(self) -> bool:
-        """Whether it is a minimum."""
+        """Whether it is of minima."""
         return self.kind in COUNTED
 
-
-@dataclass(frozen=True, repr=False)
-class PathBranch(ShortRepr):
-    """States that are followed one to the next, through events.
-
-    Attributes
-    ----------
-    id
-        From 1.
-    kind_ranges
-        What it is, part by part.
-    points
-        Its states, in order.
-    ends
-        Why it ends, first and last: ``range``, ``closed curve``, or the type of the event, with words.
-    """
-
-    id: int
-    kind_ranges: tuple[KindRange, ...]
-    points: tuple[PathPoint, ...] = field(repr=False)
-    ends: tuple[str, str]
-
     @property
-    def kinds(self) -> list[str]:
-        """What each point is, see `KindRange.kind`; where ranges meet as the first of them."""
-        most = [(r.kind, r.points[1] + 1) for r in self.kind_ranges]
-        before = [0, *(end for _, end in most)]
-        return [kind for (kind, end), a in zip(most, before, strict=False) for _ in range(a, end)]
-
-    def alarms(self) -> list[str]:
-        """Say where states of index 0 are no minima."""
-        odd = [r for r in self.kind_ranges if not r.stable and r.kind != "saddle"]
-        where = f"branch {self.id}, "
-        return [f"{where}{r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}" for r in odd]
+    def alarm(self) -> str:
+        """What is odd where states of index 0 are no minima; else ""."""
+        odd = not self.stable and self.kind != "saddle"
+        return f"branch {self.id}: {self.kind}: {self.certificate}" if odd else ""
 
 
 @dataclass(frozen=True)
@@ -261,10 +230,10 @@ class Snap(ShortRepr):
     type: str = field(metadata=shown("type"))
     before: tuple[float, ...]
     after: tuple[float, ...]
-    angle: tuple[float, float] = field(metadata=FROM_TO)
+    angle: tuple[float, float] = field(metadata=MOVES)
     released: float = field(metadata=shown("energy lost", "J", ".6g"))
     kind: str = field(metadata=shown("to a state"))
-    certificate: str = field(metadata=shown("certificate"))
+    certificate: str
 
 
 @dataclass(frozen=True, repr=False)
@@ -295,7 +264,7 @@ class Leg(ShortRepr):
     toward: int
     points: tuple[PathPoint, ...] = field(repr=False)
     t: tuple[float, float] = field(metadata=shown("load", spec=".6g", between=" to "))
-    angle: tuple[float, float] = field(metadata=FROM_TO)
+    angle: tuple[float, float] = field(metadata=MOVES)
     why: str = field(metadata=shown("ends"))
     snap: int | None = field(metadata=shown("snap"))
     stiffness: Unbounded = field(default=math.nan, metadata=shown("stiffness", spec=".5g"))

@@ -25,12 +25,12 @@ from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 
 class Track(NamedTuple):
-    """States of a path in order: a branch, or a leg of a load, and what each of them is."""
+    """States of a path in order: a branch, or a leg of a load, and what they are."""
 
     word: str
     id: int
     points: Sequence[PathPoint]
-    kinds: Sequence[str]
+    kind: str
 
 
 class Station(NamedTuple):
@@ -83,7 +83,7 @@ class Path(Report, Viewable):
     @property
     def curves(self) -> list[Track]:
         """What is listed point by point: the branches."""
-        return [Track("branch", b.id, b.points, b.kinds) for b in self.branches]
+        return [Track("branch", b.id, b.points, b.kind) for b in self.branches]
 
     @property
     def stations(self) -> list[Station]:
@@ -152,8 +152,7 @@ class Path(Report, Viewable):
     def _listed(self) -> Iterator[tuple[dict[str, Any], PathPoint]]:
         """Yield every point with the number of its curve and what it is."""
         for curve in self.curves:
-            for p, kind in zip(curve.points, curve.kinds, strict=True):
-                yield {curve.word: curve.id, "kind": kind}, p
+            yield from (({curve.word: curve.id, "kind": curve.kind}, p) for p in curve.points)
 
     def _rows(self) -> Iterator[dict[str, object]]:
         over = {"parameter": self.parameter.name, "unit": self.parameter.unit}

@@ -229,7 +229,7 @@ class _Survey(FollowedDiagram):
     def pack(self) -> Atlas:
         """Judge what was followed, and pack it."""
         over, family, (branches, events) = self.parameter, self.family, self.records()
-        self.alarms += [line for branch in branches for line in branch.alarms()]
+        self.alarms += [branch.alarm for branch in branches if branch.alarm]
         return Atlas(
             over, branches, events, tuple(dict.fromkeys(self.alarms)), self.steps_made,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),

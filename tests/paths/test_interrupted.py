@@ -84,6 +84,6 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
         else:
             o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.2, unload=True)
     found = stop.value.result
-    kinds = {r.kind for b in found.branches for r in b.kind_ranges}
+    kinds = {b.kind for b in found.branches}
     assert found.interrupted and "undecided" in kinds and "interrupted" in str(found)
     assert what == "follow" or found.legs

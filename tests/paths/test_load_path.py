@@ -137,7 +137,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert data["schema"] == "origami-nlp/path/2" and data["driver"]["unit"] == "N m"
     assert [e["type"] for e in data["events"]] == ["fold", "nonsmooth-fold"]
     assert data["events"][0]["t"] == pytest.approx(SNAP, abs=1e-10)
-    assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
+    assert {"id", "kind", "points", "ends"} <= set(data["branches"][0])
     frames = json.loads((tmp_path / "path.fold").read_text())["file_frames"]
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
     assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)

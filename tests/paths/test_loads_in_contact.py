@@ -251,7 +251,7 @@ def test_a_snap_lands_in_contact_and_goes_on():
     assert snap.type == "fold" and snap.kind == "contact-pinned" and not path.alarms
     assert [leg.why for leg in path.legs] == ["snap", "range"]
     rigid = Turned(pattern)
-    beyond = [p for p in path.branches[1].points if p.t > snap.t]
+    beyond = [p for p in path.legs[1].points if p.t > snap.t]
     assert beyond and all(pushes(p)[0].multiplier > 0 for p in beyond)
     for phi in (snap.before, snap.after, beyond[-1].fold_angles):
         assert not rigid.crossing(np.array(phi))
