@@ -228,7 +228,7 @@ def sweep(
     with progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
         say = lambda done, total, states: report(done, total, f"{states} states")  # noqa: E731
-        options = {"executor": executor, "workers": workers, "progress": say}
+        options: Any = {"executor": executor, "workers": workers, "progress": say}
         done = clock.within(run_sweep, stated, folder, **options)
         clock.found = None  # its words follow
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"

@@ -123,7 +123,7 @@ class Targets:
         What was read, as it was typed: a file, or an example; the report is titled by it.
     """
 
-    origami: Scene | Pattern | Any
+    origami: Any
     states: tuple[Target, ...]
     contact: bool = True
     stiffness: tuple[float, float] = (0.005, 0.5)

@@ -115,8 +115,8 @@ def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Scene | Pattern, di
         return scene_from_dict({"vertex": vertex, "creases": springs | creases, "model": model}), {}
     if "vertex" in data:
         raise OptionError("targets have [vertex] and [pattern]: give one of them")
-    if given := {"symmetry", "mirror"} & {*model}:
-        raise OptionError(f"{min(given)} is not for a pattern: equal says which springs are equal")
+    if odd := {"symmetry", "mirror"} & {*model}:
+        raise OptionError(f"{min(odd)} is not for a pattern: equal says which springs are equal")
     stated = data["pattern"]
     given = one_of(stated, "[pattern]", ("example", "file"), OptionError)
     if not isinstance(stated[given], str):

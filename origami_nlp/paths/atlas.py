@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Details, Section, Words
+from origami_nlp.display import Details, Section, Words, record_table
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
@@ -79,7 +79,7 @@ class Atlas(Path):
     @property
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
-        ranges = [(*sorted(b.t), b.kind) for b in self.branches if b.stable]
+        ranges = [(min(b.t), max(b.t), b.kind) for b in self.branches if b.stable]
         cuts = sorted(
             {self.parameter.low, self.parameter.high, *(t for r in ranges for t in r[:2])}
         )
@@ -161,4 +161,4 @@ class Atlas(Path):
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield Words(f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}", "bold")
-        yield Details([listed(self.branches, "Branches")], "Branches")
+        yield Details([record_table(self.branches, "Branches")], "Branches")

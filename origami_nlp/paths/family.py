@@ -221,7 +221,7 @@ def family_of(stated: Any, *parameters: ParameterRange, at: Sequence[float] = ()
     elif not example:
         of = as_pattern(stated, "origami")
         of.check_alone("following states over a parameter")
-    made: Any = lambda t: with_numbers(of, held | dict.fromkeys(names, t))  # noqa: E731
+    made: Any = lambda t: with_numbers(of, {**held, **{name: t for name in names}})  # noqa: E731
     try:
         made(parameter.low)
     except OptionError as error:

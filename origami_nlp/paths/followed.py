@@ -112,10 +112,9 @@ class FollowedDiagram(BifurcationDiagram):
         """Return the states of all branches at one value of the parameter, judged there."""
         out = []
         for frame in self.frames_at(self.parameter.s_of(value)):
+            posed: Any = frame.problem
             energy = self.seen_as(frame, frame.seen.fold_angles)["energy"]
-            out.append(
-                replace(judge(frame.problem, frame.state, frame.problem.contact), energy=energy)
-            )
+            out.append(replace(judge(posed, frame.state, posed.contact), energy=energy))
         # ties (mirror images of one another) in a fixed order
         scale = self.line.problem.scale
         return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))

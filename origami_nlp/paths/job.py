@@ -358,8 +358,9 @@ class FollowedLoad(FollowedDiagram):
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
-        ends = [(points[0].t, points[-1].t), (points[0].angle, points[-1].angle)]
-        return r.Leg(int(run.toward), tuple(points), *ends, run.why, snap, stiff, tuple(moved))
+        a, b = points[0], points[-1]
+        more: Any = {"why": run.why, "snap": snap, "stiffness": stiff, "moved": tuple(moved)}
+        return r.Leg(int(run.toward), tuple(points), (a.t, b.t), (a.angle, b.angle), **more)
 
     def _stiffness(self, frame: Equilibrium) -> float:
         """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""

@@ -269,5 +269,5 @@ class Leg(ShortRepr):
     snap: int | None = field(metadata=shown("snap"))
     stiffness: Unbounded = field(default=math.nan, metadata=shown("stiffness", spec=".5g"))
     moved: tuple[float, ...] = field(
-        default=(), metadata=shown("rest angles moved", "rad", "z+.3g")
+        default=(), metadata=shown("rest angles moved", "rad", "+z.3g")
     )

@@ -120,7 +120,8 @@ def with_numbers(of: Numbered, values: Mapping[str, float]) -> Scene | Pattern:
     scene = origami if isinstance(origami, Scene) else None
     preload += (scene.preload or 0.0) if scene else 0.0
     laws, loads, corners = list(origami.laws), [*scene.loads] if scene else [], {}
-    vertex, sectors, wound = scene and scene.vertex, dict[int, float](), preload.copy()
+    sectors, wound = dict[int, float](), preload.copy()
+    vertex: Any = scene and scene.vertex
     of_laws = dict[tuple[int, str], float]()
     for name, t in left.items():
         if scene and name == "alpha":
