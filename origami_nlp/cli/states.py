@@ -232,7 +232,7 @@ def sweep(
         done = clock.within(run_sweep, stated, folder, **options)
         clock.found = None  # its words follow
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
-    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now")
     if done.interrupted:
         clock.late = clock.over
         by = " by the time limit" if clock.over else ""

@@ -359,8 +359,8 @@ class FollowedLoad(FollowedDiagram):
         stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
         a, b = points[0], points[-1]
-        more: Any = {"why": run.why, "snap": snap, "stiffness": stiff, "moved": tuple(moved)}
-        return r.Leg(int(run.toward), tuple(points), (a.t, b.t), (a.angle, b.angle), **more)
+        how: Any = {"why": run.why, "snap": snap, "stiffness": stiff, "moved": tuple(moved)}
+        return r.Leg(int(run.toward), tuple(points), (a.t, b.t), (a.angle, b.angle), **how)
 
     def _stiffness(self, frame: Equilibrium) -> float:
         """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""

@@ -144,8 +144,8 @@ class Sweep:
             name = max(names, key=names.count)
             raise SweepError(f"two axes are called {name!r}: give each a name")
         if self.search["mode"] == "list" and len({len(a.values) for a in self.axes}) > 1:
-            lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
-            raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
+            many = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
+            raise SweepError(f"axes of mode = 'list' must have equally many values, not {many}")
         if self.count > MOST_SCENES:
             raise SweepError(f"the sweep has {self.count:,} {self.of}s: at most {MOST_SCENES:,}")
 
@@ -206,8 +206,7 @@ class Sweep:
         """
         values, each = {}, self.search["mode"] == "grid"
         for k, axis in enumerate(self.axes):
-            a = axis.values[0]
-            b = next((v for v in axis.values if v != a), a)
+            a, b = min(axis.values), max(axis.values)
             # no rational relation between axes
             values[axis.name] = a + math.exp(-1.0 - k * each) * (b - a)
         with contextlib.suppress(OrigamiError):
@@ -338,12 +337,10 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
-    spaced = [key for key in ("from", "to", "count") if key in stated]
-    if ("values" in stated) == bool(spaced):
+    spaced = {"from", "to", "count"} & {*stated}
+    if len(spaced) not in (0, 3) or ("values" in stated) == bool(spaced):
         raise SweepError(f"{where} needs values, or from, to and count")
     if spaced:
-        if missing := {"from", "to", "count"} - {*spaced}:
-            raise SweepError(f"{where}.{min(missing)} is missing: give from, to and count")
         low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
         count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
         if scale == "log" and min(low, high) <= 0:
@@ -363,8 +360,8 @@ def _checked(search: dict[str, Any]) -> dict[str, Any]:
         name, words = f"search.{key}", _MODES.get(key, ())
         if words and value not in words:
             raise SweepError(f"{name} = {shown(value)} must be {' or '.join(words)}")
-        if not words and isinstance(_SEARCH[key], bool):
-            check_flag(name, value)
-        elif not words:
-            check_whole(name, value, 0)
+        if not words:
+            check_flag(name, value) if isinstance(_SEARCH[key], bool) else check_whole(
+                name, value, 0
+            )
     return search

@@ -118,7 +118,7 @@ def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
         (("from = 0.1", "from = -1"), ["axes[2]", "above 0"]),
         (("count = 6", "count = 0"), ["axes[2].count"]),
         (("count = 6", "count = 100000000"), ["axes[2].count"]),
-        (("count = 6\n", "\n"), ["axes[2].count is missing"]),
+        (("count = 6\n", "\n"), ["axes[2] needs", "count"]),
         (('"creases.stiffness[2]"', '"creases.stiffness[9]"'), ["stiffness[9]", "to stiffness[6]"]),
         (('"creases.stiffness[2]"', '"__class__.x[1]"'), ["no number"]),
         (('name = "k"', 'name = "rest"'), ["two axes", "'rest'"]),

@@ -17,9 +17,8 @@ import pytest
 
 from origami_nlp import OrigamiError, examples, find_minima
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
-from origami_nlp.sweep.load import load_sweep
 from origami_nlp.sweep.run import run_scene
-from origami_nlp.sweep.store import read_store
+from origami_nlp.sweep.store import load_sweep, read_store
 from tests.command_line import run
 from tests.computed_once import panel_result
 
