@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Details, Section, Words, record_table
+from origami_nlp.display import Details, Section, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.records import Interval, PathPoint, SearchCheck
-from origami_nlp.paths.result import Path, Plot, listed
+from origami_nlp.paths.result import Path, Plot
 from origami_nlp.pattern import Pattern, Scene
 
 
@@ -153,12 +153,12 @@ class Atlas(Path):
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, checks, events, what is not known, and the branches."""
-        over = self.parameter.stated
         kept = "symmetric " * self.scene.is_symmetric
-        yield listed(self.intervals, f"{self.scene.title}: {kept}minima over {over}")
-        yield listed(self.checks, "Isolated branches between the checks may be missing")
+        yield self.listed_over(self.intervals, f"{self.scene.title}: {kept}minima")
+        yield self.listed_over(self.checks, "Searches (isolated branches between may be missing)")
         yield from self.known_sections()
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield Words(f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}", "bold")
-        yield Details([record_table(self.branches, "Branches")], "Branches")
+        branches: Any = self.listed_over(self.branches, "Branches")
+        yield Details([branches], "Branches")
