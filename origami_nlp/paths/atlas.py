@@ -154,11 +154,11 @@ class Atlas(Path):
     def report_sections(self) -> Iterator[Section]:
         """Return counts, checks, events, what is not known, and the branches."""
         kept = "symmetric " * self.scene.is_symmetric
-        yield self.listed_over(self.intervals, f"{self.scene.title}: {kept}minima")
-        yield self.listed_over(self.checks, "Searches (isolated branches between may be missing)")
+        yield self._listed_over(self.intervals, f"{self.scene.title}: {kept}minima")
+        yield self._listed_over(self.checks, "Searches (isolated branches between may be missing)")
         yield from self.known_sections()
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield Words(f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}", "bold")
-        branches: Any = self.listed_over(self.branches, "Branches")
+        branches: Any = self._listed_over(self.branches, "Branches")
         yield Details([branches], "Branches")

@@ -62,7 +62,7 @@ def load_path(
     seconds
         Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
         limit.
-    **search
+    search
         Of the search for the state: effort, seed, max_starts, starts of `find_minima`.
 
     Returns

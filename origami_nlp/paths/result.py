@@ -141,11 +141,11 @@ class Path(Report, Viewable):
         """Return the events, what is not known, and the number of steps: the end of each report."""
         # digits that are not sure are not printed
         sure = (e if e.located else replace(e, t=float(f"{e.t:.6g}")) for e in self.events)
-        yield self.listed_over(sure, "Events")
+        yield self._listed_over(sure, "Events")
         yield from (Words(line, "bold") for line in self.alarms)
         yield Words(f"{self.steps} steps", "dim")
 
-    def listed_over(self, records: Iterable[Any], title: str) -> Section:
+    def _listed_over(self, records: Iterable[Any], title: str) -> Section:
         """Return records as a table, with values of the parameter as axes have them, angles in degrees."""
         over, drawn = self.parameter, list[Any]()
         for one in records:

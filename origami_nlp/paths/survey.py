@@ -65,7 +65,7 @@ def follow(
         Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
     progress
         Called with what it is at, in words, whenever that changes.
-    **search
+    search
         Of the searches: effort, seed, max_starts, starts of `find_minima`.
 
     Returns
