@@ -63,7 +63,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -83,9 +83,6 @@ from origami_nlp.pattern import (
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import PatternProblem, check_orders
-
-if TYPE_CHECKING:
-    from origami_nlp.minima import MinimaResult
 
 LARGEST = 10_000_000
 """Bytes of a file."""
@@ -177,7 +174,7 @@ class Sweep:
         made, generic = self._made(self.parameters(index)), self.generic
         return made if generic is None else with_symmetry_of(made, generic)  # type: ignore[arg-type]
 
-    def minima(self, made: Scene | Pattern) -> MinimaResult:
+    def minima(self, made: Scene | Pattern) -> Any:
         """Search for the minima of one of its scenes."""
         from origami_nlp.pattern_states import find_states
 
@@ -292,10 +289,8 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     own = [key for key in _SEARCH if key != "contact" or of == "pattern"]
     known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
-    if not isinstance(data.get(of), Mapping):
-        raise SweepError("a sweep needs [scene] or [pattern]: example = ..., or file = ...")
-    if not data.get("axes"):
-        raise SweepError("a sweep needs [[axes]] with set and values (or from, to, count)")
+    if not isinstance(data.get(of), Mapping) or not data.get("axes"):
+        raise SweepError("a sweep needs [scene] or [pattern], and [[axes]] with set and values")
     axes = tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(data["axes"], 1))
     base = _read(of, data[of], Path(folder or ""))
     sweep = Sweep(of, base, axes, _checked(_SEARCH | data.get("search", {})))

@@ -10,11 +10,9 @@ import pytest
 
 from benchmarks.families import full_contact
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
-from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.paths import OwnForces, family_of, parse_parameter_range
 from tests.command_line import run
-from tests.computed_once import thinned
 from tests.independent.rotations import fold
 from tests.paths.test_sheet_loads import work_of
 
@@ -64,13 +62,6 @@ def test_searches_on_both_sides_confirm_it():
     assert len(before) == len(after) + 1 == 3
     assert nearest(before, snap.before) < 0.1 < nearest(after, snap.before)
     assert nearest(after, snap.after) < 0.01
-
-
-@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.02], 3))
-def test_the_snap_does_not_depend_on_the_steps(longest):
-    steps = ContinuationOptions(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
-    path = load_path(SCENE, 1, to=-0.139, options=steps, **QUICK)
-    assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
 
 
 def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
