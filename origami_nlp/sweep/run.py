@@ -6,15 +6,15 @@ completion.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from origami_nlp.arguments import check_callback, check_path, check_type, check_until, check_whole
 from origami_nlp.errors import OrigamiError, OutOfTime, SweepError
@@ -26,8 +26,7 @@ Progress = Callable[[int, int, int], None]
 """Called with scenes finished, scenes in all, and minima found since the run began."""
 
 
-@dataclass(frozen=True)
-class SweepReport:
+class SweepReport(NamedTuple):
     """How a run ended.
 
     Attributes
@@ -150,10 +149,8 @@ def _walk(store: Store, pool: Executor, workers: int, until: float) -> Iterator[
     running, ran, states = set[Future[Any]](), 0, 0
     try:
         while True:
-            while len(running) < 2 * workers:  # one in work, one at hand
-                if (index := next(waiting, None)) is None:
-                    break
-                running.add(pool.submit(run_scene, sweep, index))
+            for index in itertools.islice(waiting, 2 * workers - len(running)):
+                running.add(pool.submit(run_scene, sweep, index))  # one in work, one at hand
             if not running:
                 return
             left = None if until == math.inf else max(until - time.monotonic(), 0.0)

@@ -63,7 +63,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -95,8 +95,7 @@ _SEARCH |= {"max_starts": 0, "full": False, "contact": True}
 """Of [search], with what holds where they are left out."""
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """One parameter of a sweep.
 
     Attributes
@@ -111,7 +110,7 @@ class Axis:
 
     name: str
     places: tuple[str, ...]
-    values: tuple[float, ...] = field(repr=False)
+    values: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -222,9 +221,8 @@ class Sweep:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
-        whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
-        return dict(json.loads(json.dumps(whole)))
+        rest = {"axes": self.axes, "search": self.search, "shape": self.shape}
+        return dict(json.loads(json.dumps({self.of: self.base, **rest})))
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -342,8 +340,7 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
             raise SweepError(f"{where}: a log scale needs from and to above 0")
         numbers = (np.geomspace if scale == "log" else np.linspace)(low, high, count).tolist()
     else:
-        values = stated["values"]
-        if not isinstance(values, list) or not values:
+        if not (isinstance(values := stated["values"], list) and values):
             raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
         numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
     return Axis(name, tuple(places), tuple(numbers))

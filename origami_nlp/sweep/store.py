@@ -110,11 +110,10 @@ def read_store(folder: str | Path) -> tuple[dict[str, Any], dict[int, dict[str, 
         head, *lines = path.read_text("utf-8").splitlines(keepends=True)
         rows = [json.loads(line) for line in lines if line.endswith("\n")]
         stated = json.loads(head)
-        if not isinstance(stated["schema"], str) or not stated["shape"]:
-            raise ValueError("its first line is no sweep")
         kinds = {"scene": int, "status": str, "reason": str, "parameters": dict, "states": list}
-        if not all(type(row[key]) is kind for row in rows for key, kind in kinds.items()):
-            raise ValueError("a line of it is no scene")
+        good = all(type(row[key]) is kind for row in rows for key, kind in kinds.items())
+        if not (good and isinstance(stated["schema"], str) and stated["shape"]):
+            raise ValueError("a line of it is no sweep, or no scene")
         found = {row["scene"]: row for row in rows}
         return stated, {k: found[k] for k in sorted(found) if 0 <= k < math.prod(stated["shape"])}
 
@@ -149,9 +148,9 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
         If pandas is not installed, or the folder holds no sweep.
     """
     pandas = require("pandas", "reading a sweep", "sweep", SweepError)
-    rows = read_store(folder)[1]
     with readable(folder):
-        each = ((k, row, state) for k, row in rows.items() for state in row["states"])
+        found = read_store(folder)[1].items()
+        each = ((k, row, state) for k, row in found for state in row["states"])
         states = [{"scene": k, **row["parameters"], **state} for k, row, state in each]
         return pandas.DataFrame(states).astype({"energy_J": float, "closure": float})
 
@@ -204,11 +203,10 @@ def _counted(states: list[dict[str, Any]]) -> dict[str, float]:
     found = {f"count_{kind.replace('-', '_')}": kinds.count(kind) for kind in KINDS}
     if sum(found.values()) < len(kinds):
         raise ValueError(f"kinds {kinds}")
-    lowest = min((float(s["energy_J"]) for s in states), default=np.nan)
     return found | {
         "count": len(states),
         "count_shallow": sum(s["shallow"] is True for s in states),
         "count_stable": known * stable.count(True),
         "count_unstable": known * stable.count(False),
-        "lowest_energy": lowest,
+        "lowest_energy": min((float(s["energy_J"]) for s in states), default=np.nan),
     }
