@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 _READ = (
     ("minima/5", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "paper", "CriticalPoints"),
-    ("path/1", "legs", "paths", "LoadPath"),
+    ("path/2", "legs", "paths", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),
-    ("path/1", "branches", "paths", "Atlas"),
-    ("path/1", "curves", "paths", "BifurcationSet"),
+    ("path/2", "branches", "paths", "Atlas"),
+    ("path/2", "curves", "paths", "BifurcationSet"),
     ("pattern/3", "motion", "pattern_states", "Motion"),
     ("pattern/3", "arc", "pattern_states", "Motion"),
     ("pattern/3", "facets", "pattern_states", "Mobility"),

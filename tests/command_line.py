@@ -29,7 +29,6 @@ def run(*arguments: object, commands: Group = app) -> Done:
         contextlib.redirect_stderr(err),
     ):
         # on a slow machine lines would come in between that say how far it is
-        patch.setattr("origami_nlp.cli.progress.INTERVAL", 1e6)
         patch.setattr(sys, "argv", ["origami-nlp", *map(str, arguments)])
         with pytest.raises(SystemExit) as stop:
             main(commands)

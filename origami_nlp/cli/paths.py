@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from origami_nlp.cli import options as o
@@ -19,8 +18,8 @@ def load(
     origami: Source,
     clock: Clock,
     crease: list[int] | None = o.CREASE,
-    pull: str | None = o.PULL,
-    force: str | None = o.FORCE,
+    pull: tuple[int, int] | None = o.PULL,
+    force: tuple[int, float, float, float] | None = o.FORCE,
     fixed_facet: int | None = o.FIXED_FACET,
     to: str = o.TO,
     state: int | None = o.STATE,
@@ -40,65 +39,45 @@ def load(
     falls; the path ends where it first snaps.
     """
     from origami_nlp.paths import load_path
+    from origami_nlp.pattern import Scene
+    from origami_nlp.pattern_problem import DeadForce, Pull
 
-    end = to if to == "snap" else _numbers("--to", to, 1)[0]
+    if to != "snap" and not is_number(to):
+        raise OptionError(f"--to = {to!r} must be a number, or snap")
     given = [*filter(None, (crease, pull, force))]
     if len(given) > 1 or (origami.is_whole and not given):
-        raise OptionError("give one of --crease K, --pull V,W and --force V,X,Y,Z")
+        raise OptionError("give one of --crease K, --pull V W and --force V X Y Z")
     if fixed_facet is not None and not force:
-        raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
-    pulled, forced = _numbers("--pull", pull, 2), _numbers("--force", force, 4)
-    what = origami.read_whole()
-    bears = _work(what, crease, pulled, forced, fixed_facet)
-    options: Any = {"to": end, "unload": unload, "full": full, "effort": effort, "seed": seed}
-    options |= {"starts": starts, "state": state, "yield_torque": _yields(yields, what)}
+        raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V X Y Z: leave it out")
+    what: Any = origami.read_whole()
+    bears: Any = crease
+    if isinstance(what, Scene):
+        if pull or force or (crease and len(crease) > 1):
+            raise OptionError("--pull, --force and several --crease are for patterns")
+        if not crease and not what.loads:
+            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
+        bears = crease[0] if crease else None
+    elif pull:
+        bears = Pull(what, pull)
+    elif force:
+        bears = DeadForce(what, force[0], force[1:], fixed_facet or 1)
+    options: Any = {"to": to if to == "snap" else float(to), "unload": unload, "full": full}
+    options |= {"starts": starts, "state": state, "effort": effort, "seed": seed}
     with progress(f"{origami.name} under load"):
-        return clock.within(load_path, what, bears, **options)
+        torques = _yields(yields, len(what.stiffness))
+        return clock.within(load_path, what, bears, yield_torque=torques, **options)
 
 
-def _numbers(option: str, text: str | None, count: int) -> list[float]:
-    """Return numbers with commas between them."""
-    values = [float(v) if is_number(v) else math.nan for v in text.split(",")] if text else []
-    if text and (len(values) != count or not all(map(math.isfinite, values))):
-        raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
-    return values
-
-
-def _vertex(option: str, value: float) -> int:
-    if value % 1:
-        raise OptionError(f"{option}: vertex {value:g} is no whole number, as in the file")
-    return int(value)
-
-
-def _yields(given: list[str] | None, what: Any) -> dict[int, float] | None:
+def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
     """Return the torques at which creases yield, by crease from 1; later ones count."""
     found: dict[int, float] = {}
     for text in given or ():
         crease, some, torque = text.rpartition("=")
         if not is_number(torque) or (some and not crease.isdecimal()):
             raise OptionError(f"--yield = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01")
-        which = [int(crease)] if some else range(1, len(what.stiffness) + 1)
+        which = [int(crease)] if some else range(1, creases + 1)
         found |= dict.fromkeys(which, float(torque))
     return found or None
-
-
-def _work(what: Any, crease: Any, pull: list[float], force: list[float], facet: int | None) -> Any:
-    """Return what a load works on, as `load_path` takes it."""
-    from origami_nlp.pattern import Scene
-    from origami_nlp.pattern_problem import DeadForce, Pull
-
-    if isinstance(what, Scene):
-        if pull or force or (crease and len(crease) > 1):
-            raise OptionError("--pull, --force and several --crease are for patterns")
-        if not crease and not what.loads:
-            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
-        return crease[0] if crease else None
-    if crease:
-        return crease
-    if pull:
-        a, b = (_vertex("--pull", v) for v in pull)
-        return Pull(what, (a, b))
-    return DeadForce(what, _vertex("--force", force[0]), tuple(force[1:]), facet or 1)  # type: ignore[arg-type]
 
 
 @writes("json", "csv", "figure", "html", "fold", verbose=True)

@@ -101,20 +101,17 @@ class Source:
         """Whether `read_whole` returns a pattern."""
         return self.is_fold and self.vertex is None
 
-    @property
-    def whole_contact(self) -> str | None:
-        """The contact asked for of a whole pattern; a scene has its own."""
-        return self.contact if self.is_whole else None
-
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
         from origami_nlp.pattern import decode_scene, scene_at
 
         if not self.is_fold:
             self._refuse(
-                "is for FOLD files: a scene states it itself", {*self.given} - {"symmetry"}
+                "is for FOLD files: a scene states it itself",
+                {*self.given} - {"symmetry", "contact"},
             )
             scene = decode_scene(self._content, self.name)
+            scene = scene.with_contact(self.contact) if self.contact else scene  # type: ignore[arg-type]
             note_normalized(scene.vertex.normalized)
             if self.symmetry is None:
                 return scene
@@ -125,13 +122,13 @@ class Source:
         kept = self._of("symmetry", "contact")
         return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
-    def read_whole(self, contact: bool = False) -> Scene | Pattern:
+    def read_whole(self) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
         if not self.is_whole:
             return self.read()
         from origami_nlp.pattern import fold_vertices
 
-        whole = self.read_pattern(contact)  # what is wrong comes before what is odd
+        whole = self.read_pattern()  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1 and whole.cell is None:
             note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")
@@ -139,13 +136,13 @@ class Source:
             note(odd)
         return whole
 
-    def read_pattern(self, contact: bool = False) -> Pattern:
-        """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
+    def read_pattern(self) -> Pattern:
+        """Return the whole pattern of a FOLD file or an example."""
         from origami_nlp.pattern import frame_pattern, with_bending
 
         if not self.is_fold:
             raise OptionError(f"{self.name!r} is a scene: give a FOLD file or an example")
-        refused = {"vertex", "symmetry", *["contact"] * (not contact)}
+        refused = {"vertex", "symmetry"}
         self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
         if not self.is_example:
             self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
@@ -154,6 +151,7 @@ class Source:
         frame = self._frame()
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
         whole = whole.with_springs(per_length=True) if self.per_length else whole
+        whole = whole.with_contact(self.contact) if self.contact else whole  # type: ignore[arg-type]
         if self.bend is None:
             return whole
         return with_bending(whole, self.bend, self.diagonal or "short")

@@ -3,12 +3,10 @@ printed and written."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import require
+from origami_nlp.arguments import check_whole, require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
@@ -69,14 +67,14 @@ def minima(
     from origami_nlp import proof
 
     out.check(("--certificate", certificate))
-    stated: Any = origami.read_whole(contact=True)
+    stated: Any = origami.read_whole()
     if certificate is not None and origami.is_whole:  # before anything is searched for
         stated.check_plain_hinges("--certificate")
         known = "" if origami.contact == "fold-limits" else "it needs --contact fold-limits"
         if why := proof.why_no_sheet(stated) or known:
             raise OptionError(f"--certificate: the list of a pattern is not proved: {why}")
     options: Any = {"max_starts": max_starts, "starts": starts, "full": full, "noise": noise}
-    options |= {"contact": origami.whole_contact, "method": method, "seed": seed, "effort": effort}
+    options |= {"method": method, "seed": seed, "effort": effort}
     # a certificate asks for a proof
     options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
     found = search(clock, stated, origami.name, last=True, **options)
@@ -117,9 +115,8 @@ def contacts(
     """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
     from origami_nlp.contact import find_contacts
 
-    options: Any = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
-    stated = origami.read_whole(contact=True)
-    found = search(clock, stated, origami.name, escape=False, **options)
+    stated = origami.read_whole()
+    found = search(clock, stated, origami.name, escape=False, seed=seed, effort=effort)
     return find_contacts(found, state=state, segments=segments)
 
 
@@ -135,9 +132,6 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
     stated = origami.read_whole()
     with progress(f"{origami.name}: barriers") as report:
         return clock.within(find_barriers, stated, seed=seed, progress=report.at)
-
-
-SMALLEST, LARGEST = 16, 4097
 
 
 @writes("json", "figure", "html", verbose=True)
@@ -163,8 +157,7 @@ def landscape(
     if critical or space:
         with progress(f"{name}: critical points" if critical else f"{name}: mesh, walls, layers"):
             return (paper.find_critical_points if critical else paper.find_space)(stated)
-    if not SMALLEST <= size <= LARGEST:
-        raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
+    check_whole("--size", size, 16, 4097)
     if chart_of(stated) is None:
         why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
@@ -193,12 +186,12 @@ def design(
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
     from origami_nlp.inverse_design import design as find, read_targets
-    from origami_nlp.pattern import Pattern, Vertex, format_scene
+    from origami_nlp.pattern import Pattern, Scene, format_scene
     from origami_nlp.pattern_problem import states_to_fold
 
     question = read_targets(targets)
-    if isinstance(question.origami, Vertex):
-        note_normalized(question.origami.normalized)
+    if isinstance(question.origami, Scene):
+        note_normalized(question.origami.vertex.normalized)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
@@ -230,14 +223,15 @@ def sweep(
 
     stated = read_sweep(spec)
     note_normalized(stated.normalized, ", at most")
-    with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+    executor = _executor(dask) if dask else None
+    with progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
         say = lambda done, total, states: report(done, total, f"{states} states")  # noqa: E731
-        options = {"executor": executor, "workers": workers, "progress": say}
+        options: Any = {"executor": executor, "workers": workers, "progress": say}
         done = clock.within(run_sweep, stated, folder, **options)
         clock.found = None  # its words follow
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
-    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now")
     if done.interrupted:
         clock.late = clock.over
         by = " by the time limit" if clock.over else ""
@@ -250,23 +244,16 @@ def sweep(
     return Ended.NO if failed else Ended.DONE
 
 
-@contextmanager
-def _executor(address: str | None) -> Iterator[Any]:
-    """The executor of a Dask cluster, or None for processes."""
-    if address is None:
-        yield None
-        return
+def _executor(address: str) -> Any:
+    """Return the executor of a Dask cluster."""
     distributed = require("distributed", "--dask", "sweep", SweepError)
     try:
         distributed.comm.get_address_host_port(address)  # a client without an address raises again
         client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise SweepError(f"--dask {address!r} cannot be reached: {error}") from None
-    try:
-        pool = client.get_executor()
-        pool.num_workers = sum(client.nthreads().values())
-        if not pool.num_workers:
-            raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
-        yield pool
-    finally:
-        client.close()
+    pool = client.get_executor()
+    pool.num_workers = sum(client.nthreads().values())
+    if not pool.num_workers:
+        raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
+    return pool

@@ -85,21 +85,16 @@ def _levels(axes: Axes, design: Design) -> None:
     levels = [(s.name, s.energy, "black") for s in design.states]
     if not design.barriers:  # (they may be far below)
         levels += [("extra", m.energy, GREY) for m in design.extra_minima]
+    at = {name: (k, energy) for k, (name, energy, _) in enumerate(levels)}
     for k, (_, energy, colour) in enumerate(levels):
-        axes.plot([2.0 * k - 0.55, 2.0 * k + 0.55], [energy] * 2, color=colour, lw=2.2)
-    at = {name: (2.0 * k, energy) for k, (name, energy, _) in enumerate(levels)}
+        axes.plot([k - 0.3, k + 0.3], [energy] * 2, color=colour, lw=2.2)
     for b in design.barriers:
         (x, low), (other, _) = at[b.start], at[b.end]
-        middle, sign, top = 0.5 * (x + other), math.copysign(1.0, other - x), low + b.rise
-        axes.plot([middle - 0.3, middle + 0.3], [top] * 2, color=TOP, lw=2.2)
-        way = [x + 0.55 * sign, middle - 0.3 * sign]
-        axes.plot(way, [low, top], color=TOP, lw=0.9, ls="--")
-        look: dict[str, Any] = {"fontsize": 8, "color": TOP, "textcoords": "offset points"}
-        place = (0.5 * (x + middle), 0.5 * (low + top))
-        side = "right" if sign > 0 else "left"
-        axes.annotate(f"+{b.rise:.3g}", place, (-5 * sign, 0), ha=side, **look)
+        top = 0.5 * (x + other), low + b.rise
+        axes.plot([x, top[0]], [low, top[1]], color=TOP, lw=0.9, ls="--")
+        axes.annotate(f"+{b.rise:.3g}", top, (0, 3), textcoords="offset points", color=TOP)
     names = [label_text(name) for name, *_ in levels]
     turned = 30 if max(map(len, names)) > 8 else 0
-    axes.set_xticks([2.0 * k for k in range(len(names))], names, fontsize=8, rotation=turned)
+    axes.set_xticks(range(len(names)), names, fontsize=8, rotation=turned)
     axes.set_ylabel("energy [J]")
     axes.margins(y=0.15)

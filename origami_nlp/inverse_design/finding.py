@@ -6,7 +6,6 @@ import itertools
 import math
 from collections.abc import Callable
 from os import PathLike, fspath
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.targets_file import read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
 from origami_nlp.numerics import DESIGN_SNAP
-from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_states import find_states
 
 Progress = Callable[[str], None]
@@ -80,8 +78,7 @@ def design(
         if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
             both = f"{a.target.name!r} and {b.target.name!r}"
             raise OptionError(f"states {both} are one and the same: leave one out")
-    if isinstance(targets.origami, Pattern):
-        targets.origami.check_plain_hinges("design", stops=True)
+    targets.origami.check_plain_hinges("design", stops=True)
     say = progress or (lambda _: None)
     say("springs for the states")
     posed, passes = _solved(targets)
@@ -90,12 +87,9 @@ def design(
         return Design(targets, posed.margin, reason=reason, refuted=posed.every_refuted)
     scene = scene_of(posed)
     say("minima of the scene")
-    asked: dict[str, Any] = {"seed": seed, "effort": effort, "escape": False}
-    if isinstance(scene, Scene):
-        asked["full"] = targets.full_space and targets.symmetric
-    else:
-        asked["contact"] = targets.contact == "full"
-    return check(targets, posed, scene, find_states(scene, **asked), passes)
+    full = targets.full_space and scene.is_symmetric
+    found = find_states(scene, seed=seed, effort=effort, escape=False, full=full)
+    return check(targets, posed, scene, found, passes)
 
 
 def _solved(targets: Targets) -> tuple[ConvexDesign, Passes | None]:

@@ -22,21 +22,11 @@ from origami_nlp.arguments import (
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
-from origami_nlp.pattern import Contact, Limits, Pattern, Scene, Vertex
-from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.pattern import Pattern, Scene, Vertex
+from origami_nlp.pattern_problem import pose
 
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
-_OF_A_VERTEX = {
-    "symmetry": "equal says which of its springs are equal",
-    "mirror": "equal says which of its springs are equal",
-    "preload": "its springs rest within [-pi, pi]",
-    "limits": "the pattern has its own (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
-    "panels": "the pattern has its own limits (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
-}
-"""What is not for a pattern, and why."""
-OF_THE_SCENE = ("symmetry", "contact", "mirror", "limits", "panels")
-"""Attributes that are those of the scene to be made."""
 INFINITE = ((math.inf, math.inf), (-math.inf, -math.inf))
 FAR = 0.1
 """Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
@@ -105,12 +95,10 @@ class Targets:
     Parameters
     ----------
     origami
-        The crease pattern: one vertex, or a whole pattern.
+        What is folded: a vertex, of which a scene also states symmetry, contact and stops, or a whole pattern.  The
+        springs that it has do not count.
     states
         The states wanted.
-    symmetry, contact, mirror
-        As of a `Scene`; without springs, ``"auto"`` is the largest group of the geometry.  Of a pattern contact alone,
-        ``"full"`` or ``"fold-limits"``.
     stiffness
         Bounds of each crease [N m/rad], both positive.
     rest_angles
@@ -128,19 +116,12 @@ class Targets:
     equal
         Of a pattern, which creases have equal springs: ``""`` none, ``"letters"`` all of one assignment, or a number
         for each crease, the same for equal ones.
-    limits, panels
-        Fold limits and thickness of panels of a vertex, as of a `Scene`; a pattern has its own limits.
-    name
-        Of the scene to be made.
     source
         What was read, as it was typed: a file, or an example; the report is titled by it.
     """
 
-    origami: Vertex | Pattern
+    origami: Any
     states: tuple[Target, ...]
-    symmetry: str = "none"
-    contact: Contact = "full"
-    mirror: int | None = None
     stiffness: tuple[float, float] = (0.005, 0.5)
     rest_angles: tuple[float, float] | None = None
     preload: float | bool = False
@@ -148,13 +129,10 @@ class Targets:
     barriers: tuple[EnergyBounds, ...] = ()
     full_space: bool = True
     equal: str | tuple[int, ...] = ""
-    limits: Limits = ()
-    panels: tuple[float, float] | None = None
-    name: str | None = None
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        self._check_kind()
+        object.__setattr__(self, "origami", self._plain())
         for key in ("states", "energies", "barriers"):
             object.__setattr__(self, key, tuple(getattr(self, key)))
         names = [t.name for t in self.states]
@@ -184,25 +162,32 @@ class Targets:
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
 
-    def _check_kind(self) -> None:
-        """Raise an error for what is not for a vertex, or not for a pattern."""
-        if isinstance(self.origami, Vertex):
-            why = {"equal": "its symmetry says which springs are equal"}
-            refuse("vertex", why, equal=self.equal or None)
-            return
-        check_type("origami", self.origami, Pattern)
-        given = {key: getattr(self, key) for key in _OF_A_VERTEX}
-        given["symmetry"] = None if self.symmetry == "none" else self.symmetry
-        refuse("pattern", _OF_A_VERTEX, **{key: value or None for key, value in given.items()})
-        if self.contact not in ("full", "fold-limits"):
-            raise OptionError(
-                f"contact = {shown(self.contact)} must be 'full' or 'fold-limits' for a pattern"
+    def _plain(self) -> Scene | Pattern:
+        """Return what is folded with equal springs at rest in the flat state."""
+        stated, equal = self.origami, self.equal
+        if isinstance(stated, Vertex):
+            stated = Scene(stated, (1.0,) * stated.degree, (0.0,) * stated.degree, "none")
+        if isinstance(stated, Scene):
+            refuse(
+                "vertex",
+                {"equal": "its symmetry says which springs are equal"},
+                equal=equal or None,
             )
-        n, equal = self.origami.creases, self.equal
-        if equal not in ("", "letters") and (isinstance(equal, str) or len(equal) != n):
-            raise OptionError(
-                f"equal = {shown(equal)} must be '', 'letters' or {n} numbers, one a crease"
-            )
+            n = stated.degree
+            plain = {"stiffness": (1.0,) * n, "rest_angles": (0.0,) * n, "preload": (), "loads": ()}
+            return replace(stated, **plain)  # type: ignore[arg-type]
+        check_type("origami", stated, Pattern)
+        refuse(
+            "pattern",
+            {"preload": "its springs rest within [-pi, pi]"},
+            preload=self.preload or None,
+        )
+        if equal not in ("", "letters") and (
+            isinstance(equal, str) or len(equal) != stated.creases
+        ):
+            many = f"{stated.creases} numbers, one a crease"
+            raise OptionError(f"equal = {shown(equal)} must be '', 'letters' or {many}")
+        return stated.with_springs(1.0, 0.0)
 
     @property
     def rest(self) -> tuple[float, float]:
@@ -212,60 +197,37 @@ class Targets:
         most = TURNS if self.preload is True else math.pi
         return -most, most
 
-    @property
-    def symmetric(self) -> bool:
-        """Whether states keep a symmetry that is imposed."""
-        return isinstance(self.origami, Vertex) and not self.blank.group.is_trivial
-
-    @cached_property
-    def blank(self) -> Scene:
-        """The scene of a vertex with equal springs, for its geometry."""
-        assert isinstance(self.origami, Vertex)
-        return self._scene((1.0,) * self.origami.degree, (0.0,) * self.origami.degree)
-
-    def _scene(self, k: Sequence[float], rest: Sequence[float], **more: Any) -> Scene:
-        """Return the scene of the vertex with some springs."""
-        assert isinstance(self.origami, Vertex)
-        asked = {key: getattr(self, key) for key in OF_THE_SCENE}
-        return Scene(self.origami, tuple(k), tuple(rest), **asked, **more)
-
     @cached_property
     def model(self) -> Any:
         """The problem with the symmetry, of equal springs."""
-        if isinstance(self.origami, Vertex):
-            return pose(self.blank)
-        return self.posed(self.origami.with_springs(1.0, 0.0))
+        return self.posed(self.origami)
 
     def posed(self, made: Scene | Pattern) -> Any:
         """Return the problem of the same vertex or pattern with some springs."""
-        return (
-            pose(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
-        )
+        return pose(made)
 
     def made(self, stiffness: np.ndarray, torque: np.ndarray) -> Scene | Pattern:
         """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
         k, tau = stiffness[self.kinds], torque[self.kinds]
         rest = np.clip(tau / k, -math.pi, math.pi)
         if isinstance(self.origami, Pattern):
-            sprung = self.origami.with_springs(k.tolist(), rest.tolist())
-            return replace(sprung, name=self.name or sprung.name)
-        wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
-        preload = tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else ()
-        return self._scene(k, rest, name=self.name, preload=preload)
+            return self.origami.with_springs(k.tolist(), rest.tolist())
+        wound = np.where(np.abs(tau / k) > math.pi * (1 + ROUNDED), tau - k * rest, 0.0)
+        springs = {"stiffness": k, "rest_angles": rest, "preload": wound}
+        given: Any = {name: tuple(v.tolist()) for name, v in springs.items()}
+        return replace(self.origami, **given)
 
     @cached_property
     def free(self) -> Any:
         """The problem in which the states must stand: without the symmetry where that is asked for."""
-        if not self.full_space or not self.symmetric:
-            return self.model
-        return pose(replace(self.blank, symmetry="none", mirror=None))
+        return self.model.whole if self.full_space else self.model
 
     @cached_property
     def kinds(self) -> np.ndarray:
         """Which kind of crease each crease is, equal where the symmetry asks for equal springs, shape [N]."""
-        if isinstance(self.origami, Pattern):
-            named = list(self.origami.assignment) if self.equal == "letters" else self.equal
-            return np.unique(named or np.arange(self.origami.creases), return_inverse=True)[1]
+        named = list(self.origami.assignment) if self.equal == "letters" else self.equal
+        if named:
+            return np.unique(named, return_inverse=True)[1]
         own = self.model
         return np.rint(own.expand(np.arange(own.size, dtype=float))).astype(int)
 

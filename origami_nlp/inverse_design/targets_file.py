@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,10 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import (
     LIMIT_KEYS,
     Pattern,
-    Vertex,
+    Scene,
     as_pattern,
     parse_angles,
+    scene_from_dict,
     stated_limits,
     thick_limits,
     vertex_from_dict,
@@ -82,16 +84,12 @@ def parse_targets(text: str, folder: Path = Path("."), source: str = "") -> Targ
 
 def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
-    origami, equal = _origami(data, folder)
-    many = origami.creases if isinstance(origami, Pattern) else origami.degree
-    stops = stated_limits(data.get("creases", {}), many)
-    if isinstance(origami, Pattern) and stops:
-        limits = stops.get("limits", origami.limits)
-        origami, stops = origami.with_limits(thick_limits(limits, many, stops.get("panels"))), {}
+    origami, more = _origami(data, folder)
+    many = origami.creases
     entries = data.get("states", [])
     states = [_state(entry, i, folder, many) for i, entry in enumerate(entries, start=1)]
     gaps = zip(states, entries, strict=True)
-    more = data.get("springs", {}) | data.get("model", {}) | data.get("ask", {}) | stops | equal
+    more |= data.get("springs", {}) | data.get("ask", {})
     if {"rest_angles", "rest_angles_deg"} <= set(more):
         raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
     for key in ("rest_angles", "rest_angles_deg"):
@@ -107,12 +105,18 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     )
 
 
-def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, dict[str, Any]]:
-    """Return the vertex or the pattern that is asked about, and which springs of a pattern are equal."""
+def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Scene | Pattern, dict[str, Any]]:
+    """Return what is asked about, and which creases of a pattern have equal springs."""
+    creases, model = data.get("creases", {}), data.get("model", {})
     if "pattern" not in data:
-        return vertex_from_dict(data.get("vertex", {})), {}
+        n = vertex_from_dict(vertex := data.get("vertex", {})).degree
+        springs = {"stiffness": [1.0] * n, "rest_angles": [0.0] * n}
+        model = {"symmetry": "none"} | model
+        return scene_from_dict({"vertex": vertex, "creases": springs | creases, "model": model}), {}
     if "vertex" in data:
         raise OptionError("targets have [vertex] and [pattern]: give one of them")
+    if odd := {"symmetry", "mirror"} & {*model}:
+        raise OptionError(f"{min(odd)} is not for a pattern: equal says which springs are equal")
     stated = data["pattern"]
     given = one_of(stated, "[pattern]", ("example", "file"), OptionError)
     if not isinstance(stated[given], str):
@@ -121,7 +125,13 @@ def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, d
     if isinstance(equal, list):
         equal = tuple(check_whole("[pattern] equal", v, 0) for v in equal)
     file = stated[given] if given == "example" else folder / stated[given]
-    return as_pattern(file, "[pattern]"), {"equal": equal} if equal else {}
+    origami = as_pattern(file, "[pattern]")
+    if stops := stated_limits(creases, origami.creases):
+        limits = stops.get("limits", origami.limits)
+        made = thick_limits(limits, origami.creases, stops.get("panels"))
+        origami = origami.with_limits(made)
+    origami = origami.with_contact(model.get("contact", "full"))
+    return replace(origami, name=model.get("name", origami.name)), {"equal": equal}
 
 
 def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Target:

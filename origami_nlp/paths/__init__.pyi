@@ -6,9 +6,9 @@ from .boundary import (
     find_bifurcation_set as find_bifurcation_set,
 )
 from .driver import Driver as Driver, OwnForces as OwnForces
+from .event_curve import Plane as Plane
 from .family import (
     Family as Family,
-    Plane as Plane,
     family_of as family_of,
     with_generic_symmetry as with_generic_symmetry,
 )
@@ -16,13 +16,11 @@ from .figure import draw_boundaries as draw_boundaries, draw_path as draw_path
 from .interactive import view_path as view_path
 from .load import load_path as load_path
 from .load_result import LoadPath as LoadPath
-from .numbers import Example as Example, with_numbers as with_numbers
 from .parameter_range import (
     ParameterRange as ParameterRange,
     parse_parameter_range as parse_parameter_range,
 )
 from .records import (
-    KindRange as KindRange,
     Leg as Leg,
     PathBranch as PathBranch,
     PathEvent as PathEvent,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,7 +17,7 @@ from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.records import Interval, PathPoint, SearchCheck
-from origami_nlp.paths.result import Path, Plot, bold, degrees_listed, listed
+from origami_nlp.paths.result import Path, Plot
 from origami_nlp.pattern import Pattern, Scene
 
 
@@ -53,7 +52,7 @@ class Atlas(Path):
     --------
     >>> import origami_nlp as o
     >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
-    >>> [interval.minima for interval in atlas.intervals], [branch.kind_ranges[0].kind for branch in atlas.branches]
+    >>> [interval.minima for interval in atlas.intervals], [branch.kind for branch in atlas.branches]
     ([2], ['interior', 'contact-touching'])
     """
 
@@ -80,18 +79,18 @@ class Atlas(Path):
     @property
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
-        ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
-        cuts = sorted({self.parameter.low, self.parameter.high, *(t for r in ranges for t in r.t)})
+        ranges = [(min(b.t), max(b.t), b.kind) for b in self.branches if b.stable]
+        cuts = sorted(
+            {self.parameter.low, self.parameter.high, *(t for r in ranges for t in r[:2])}
+        )
         out: list[Interval] = []
         # images of one event under a symmetry of the scene come at one value, up to rounding
         apart = [a for a, b in itertools.pairwise(cuts) if b - a > DUPLICATE_TOL * max(1.0, abs(b))]
         for a, b in itertools.pairwise([*apart, cuts[-1]]):
             middle = 0.5 * (a + b)
-            kinds = Counter(r.kind for r in ranges if r.low < middle < r.high)
-            found = Interval((a, b), sum(kinds.values()), dict(sorted(kinds.items())))
-            if out and out[-1].kinds == found.kinds:
-                found = Interval((out.pop().t[0], b), found.minima, found.kinds)
-            out.append(found)
+            kinds = tuple(sorted(kind for low, high, kind in ranges if low < middle < high))
+            begin = out.pop().t[0] if out and out[-1].kinds == kinds else a
+            out.append(Interval((begin, b), len(kinds), kinds))
         return tuple(out)
 
     def at(self, value: float) -> tuple[JudgedState, ...]:
@@ -139,8 +138,7 @@ class Atlas(Path):
     def panels(self) -> list[Plot]:
         """Energy, the fold angle that separates branches best, and contact moments where there are any."""
         over, points = self.parameter, [p for b in self.branches for p in b.points]
-        angles = np.array([p.fold_angles for p in points])
-        k = int(np.ptp(angles, axis=0).argmax()) if points else 0
+        k = int(np.ptp([p.fold_angles for p in points], axis=0).argmax()) if points else 0
 
         def moment(p: PathPoint) -> float:
             return max((m.multiplier for m in p.multipliers), default=math.nan)
@@ -154,33 +152,13 @@ class Atlas(Path):
         return [Plot(over.axis, y, place(of)) for y, of in panels.items()]
 
     def report_sections(self) -> Iterator[Section]:
-        """Return counts, events, what is not known, and the details: fold angles, branches and checks."""
-        over, rows = self.parameter, []
-        for i in self.intervals:
-            kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
-            where = {over.name: " to ".join(map(over.shown, i.t))}
-            rows.append({**where, "minima": str(i.minima), "kinds": kinds})
-        kept = self.scene.is_symmetric
-        yield listed(f"{self.scene.title}: {'symmetric ' * kept}minima over {over.name}", rows)
-        if self.events:
-            yield self.events_table()
-        at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
-        missed = sum(c.missed for c in self.checks)
-        more = f", which missed {missed} of the states on branches" if missed else ""
-        yield f"checked by searches at {over.name} = {at or 'no value'}{more}"
-        yield "Isolated branches between the checks may be missing."
-        yield from bold([f"alarm: {line}" for line in self.alarms])
+        """Return counts, checks, events, what is not known, and the branches."""
+        kept = "symmetric " * self.scene.is_symmetric
+        yield self._listed_over(self.intervals, f"{self.scene.title}: {kept}minima")
+        yield self._listed_over(self.checks, "Searches (isolated branches between may be missing)")
+        yield from self.known_sections()
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
-            yield from bold([f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}"])
-        each = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
-        angles = [{"event": k, "fold angles [deg]": phi} for k, phi in each]
-        ranges = []
-        for b in self.branches:
-            for r in b.kind_ranges:
-                ends = ", ".join(b.ends) if r is b.kind_ranges[-1] else ""
-                where = {"branch": str(b.id), over.name: " to ".join(map(over.shown, r.t))}
-                ranges.append({**where, "kind": r.kind, "ends": ends})
-        steps: Any = Words(f"{self.steps} steps", "dim")
-        pieces = [listed("", angles), listed("", ranges), steps]
-        yield Details(pieces, "Fold angles, branches")
+            yield Words(f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}", "bold")
+        branches: Any = self._listed_over(self.branches, "Branches")
+        yield Details([branches], "Branches")

@@ -11,14 +11,14 @@ import numpy as np
 
 from origami_nlp.arguments import check_until, check_whole
 from origami_nlp.continuation import SpecialPoint
-from origami_nlp.display import Report, Section, Words, angle_columns
+from origami_nlp.display import Report, Section, Words, shown
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, NONZERO, SAMPLED, STATIONARY
-from origami_nlp.paths.event_curve import EventPoint, EventTracer
-from origami_nlp.paths.family import Plane, with_generic_symmetry
+from origami_nlp.paths.event_curve import EventPoint, EventTracer, Plane
+from origami_nlp.paths.family import with_generic_symmetry
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import Interval
-from origami_nlp.paths.result import bold, listed
+from origami_nlp.paths.result import listed
 from origami_nlp.paths.survey import follow_family
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact
@@ -67,11 +67,11 @@ class EventCurve:
         Why it ends, first and last: ``range``, ``closed curve``, or what it meets.
     """
 
-    id: int
-    type: str
-    contact: str
+    id: int = field(metadata=shown("curve"))
+    type: str = field(metadata=shown("type"))
+    contact: str = field(metadata=shown("contact"))
     points: tuple[CurvePoint, ...]
-    ends: tuple[str, str]
+    ends: tuple[str, str] = field(metadata=shown("ends"))
 
 
 @dataclass(frozen=True)
@@ -91,9 +91,9 @@ class CountedLine:
         followed over two parameters.
     """
 
-    parameter: str
-    t: float
-    intervals: tuple[Interval, ...]
+    parameter: str = field(metadata=shown("over"))
+    t: float = field(metadata=shown("the other at", spec=".6g"))
+    intervals: tuple[Interval, ...] = field(metadata=shown("minima", missing="not counted"))
     events: tuple[tuple[float, int], ...]
 
 
@@ -111,8 +111,6 @@ class BifurcationSet(Report):
         In order of their numbers.
     lines
         What was followed over one parameter: each event there lies on a curve.
-    seconds
-        Of wall time.
     interrupted
         Whether the time was over before all was followed: curves are those until then, and minima are not counted on
         lines that were not followed whole.
@@ -132,41 +130,20 @@ class BifurcationSet(Report):
     parameters: tuple[ParameterRange, ParameterRange]
     curves: tuple[EventCurve, ...]
     lines: tuple[CountedLine, ...]
-    seconds: float
     interrupted: bool = False
     stopped: bool = field(default=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/path/1"
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for curve, p in ((c, p) for c in self.curves for p in c.points):
-            row: Any = {"curve": curve.id, "type": curve.type, "contact": curve.contact}
-            for k, (over, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
-                row |= {f"parameter_{k}": over.name, f"t_{k}": t, f"unit_{k}": over.unit}
-            yield row | angle_columns(p.fold_angles)
+    PICTURE, SCHEMA, ROWS = "draw_boundaries", "origami-nlp/path/2", "curves"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the curves, and the counts along each line."""
-        a, b = self.parameters
-        rows = []
-        for c in self.curves:
-            ends = (c.points[0].t, c.points[-1].t)
-            first, last = (f"({a.shown(t, 5)}, {b.shown(u, 5)})" for t, u in ends)
-            row = {"curve": str(c.id), "type": c.type, "contact": c.contact}
-            row |= {"from": first, "to": last, "points": str(len(c.points))}
-            rows.append({**row, "ends": ", ".join(c.ends)})
-        yield listed(f"{len(self.curves)} curves of events over {a.name} and {b.name}", rows)
-        for line in self.lines:
-            along, other = (a, b) if line.parameter == a.name else (b, a)
-            spans = [" to ".join(along.shown(t, 5) for t in i.t) for i in line.intervals]
-            counts = [f"{i.minima} ({s})" for i, s in zip(line.intervals, spans, strict=True)]
-            said = ", ".join(counts) or "not counted"
-            yield f"{other.name} = {other.shown(line.t, 5)}: minima {said}"
-        yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
+        over = " and ".join(p.stated for p in self.parameters)
+        yield listed(self.curves, f"{len(self.curves)} curves of events over {over}")
+        yield listed(self.lines, "Minima; events that no line meets are not here")
         if self.interrupted:
             ended = "interrupted" if self.stopped else OUT_OF_TIME
             left = "on lines that were not followed whole minima are not counted"
-            yield from bold([f"{ended}: curves are those until then; {left}"])
+            yield Words(f"{ended}: curves are those until then; {left}", "bold")
 
 
 def find_bifurcation_set(
@@ -222,9 +199,9 @@ def find_bifurcation_set(
     scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
     check_whole("lines", lines, 1)
     check_whole("across", across, 0)
-    begin, until = time.perf_counter(), check_until(seconds)
-    a = parse_parameter_range(event) if isinstance(event, str) else event
-    b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    until = check_until(seconds)
+    stated = (parse_parameter_range(p) if isinstance(p, str) else p for p in (event, parameter))
+    a, b = stated
     if a.name == b.name:
         raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
     scene = with_generic_symmetry(scene, (a, b))
@@ -236,7 +213,7 @@ def find_bifurcation_set(
             raise
         stopped = True
     late = stopped or time.monotonic() > until or not all(line.intervals for line in found.lines)
-    what = tuple(found.curves), tuple(found.lines), time.perf_counter() - begin, late, stopped
+    what = tuple(found.curves), tuple(found.lines), late, stopped
     return unless_stopped(BifurcationSet(scene, (a, b), *what), stopped)
 
 
@@ -258,7 +235,7 @@ class _Map:
         for axis, share in [*((0, u) for u in where), *((1, u) for u in inside)]:
             if time.monotonic() > self.until:
                 return
-            t = plane.value(share, 1 - axis)
+            t = plane.parameters[1 - axis].at_share(share)
             family = plane.family(t, axis)
             atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
             if atlas.stopped:
@@ -275,7 +252,7 @@ class _Map:
             if not (flat or node.type in FOLLOWED) or not node.located:
                 continue
             share, state, known = np.full(2, other), node.point[:-1], 0
-            share[axis] = plane.share(node.s, axis)
+            share[axis] = plane.parameters[axis].share_of(node.s)
             systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
             for hold, contact in systems:
@@ -308,10 +285,12 @@ class _Map:
         """Trace a new curve, and return its number."""
         points, ends = tracer.follow(first, self.until)
         good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
-        found = []
-        for p in good:
-            t, u = (self.plane.value(float(p.x[k]), k) for k in (0, 1))
-            found.append(CurvePoint((t, u), p.frame.fold_angles, p.kkt, p.event))
+        a, b = self.plane.parameters
+        at = [(a.at_share(float(p.x[0])), b.at_share(float(p.x[1]))) for p in good]
+        found = [
+            CurvePoint(t, p.frame.fold_angles, p.kkt, p.event)
+            for t, p in zip(at, good, strict=True)
+        ]
         self._traced.append(np.array([p.x for p in good]))
         self.curves.append(EventCurve(len(self.curves) + 1, kind, contact, tuple(found), ends))
         return len(self.curves)

@@ -14,11 +14,10 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import Interrupted, NothingInTime, OptionError
-from origami_nlp.kkt import State, classify
+from origami_nlp.kkt import classified
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
-from origami_nlp.paths.numbers import with_numbers
-from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque, with_numbers
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
@@ -99,20 +98,9 @@ class Driver:
         own = isinstance(self.work, OwnForces)
         return with_numbers(self.origami, {"loads": 0.0}) if own else self.origami
 
-    @property
-    def name(self) -> str:
-        """What t is."""
-        return self.work.name
-
-    @property
-    def unit(self) -> str:
-        """Of t."""
-        return self.work.unit
-
-    @property
-    def creases(self) -> tuple[int, ...]:
-        """Creases (1-based) on each of which a torque acts; empty for forces."""
-        return self.work.creases
+    name = property(lambda self: self.work.name, doc="What t is.")
+    unit = property(lambda self: self.work.unit, doc="Of t.")
+    creases = property(lambda self: self.work.creases, doc="Each of which bears t, from 1.")
 
     @property
     def coordinate(self) -> str:
@@ -178,16 +166,15 @@ class Driver:
         """
         number, driver = 0, self
         if not isinstance(state, JudgedState):
-            number = check_whole("state", state, 1)
+            check_whole("state", state, 1)
             try:
                 result = search_minima(self.unloaded, until, **asked)
             except Interrupted:  # what it found is no path
                 raise KeyboardInterrupt from None
             if result.search.stopped_by == "time":
                 raise NothingInTime(CUT)
-            if not (found := result.minima):
-                raise OptionError("no stable state was found at load 0")
-            state = found[check_whole("state", state, 1, len(found)) - 1]
+            number = check_whole("state", state, 1, len(result.minima))
+            state = result.minima[number - 1]
         which, phi = f"state = {number}" if number else "state", np.array(state.fold_angles)
         if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
             raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
@@ -198,8 +185,7 @@ class Driver:
             a, b = self.work.corners
             raise OptionError(f"pull = {a}, {b}: these vertices lie on each other in that state")
         free = self.free
-        there = State(free.problem, free.problem.reduce(phi))
-        if full and classify(there).verdict == "minimum":
+        if full and classified(free.problem, free.problem.reduce(phi)).verdict == "minimum":
             driver = free
         elif self.scene and len(self.scene.windings) > 1:
             driver = replace(self, scene=replace(self.scene, winding=state.winding))

@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,10 @@ from origami_nlp.continuation import (
     trace,
 )
 from origami_nlp.numerics import ROUNDED, STATIONARY
-from origami_nlp.paths.family import Plane
+from origami_nlp.paths.family import SAMPLES, Family, family_of
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact
 
 STEPS = ContinuationOptions(2e-3, 0.05, 1e-4, growth=1.5, aside=0.5, most=1000)
@@ -42,6 +46,25 @@ MEETS = "meets another event"
 """Why a curve ends where beyond it there are no states; what is met follows."""
 FOLD_STEPS = 12
 """Of the secant method for a fold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Scenes that differ from one in two parameters."""
+
+    scene: Scene
+    parameters: tuple[ParameterRange, ParameterRange]
+
+    @cached_property
+    def _like(self) -> PatternProblem:
+        """Whose scale and numbers of contacts all problems of the plane take."""
+        return pose(self.scene)
+
+    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
+        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
+        along, other = self.parameters[axis], self.parameters[1 - axis]
+        made = family_of(self.scene, along, other, at=[value])
+        return replace(made, like=self._like, samples=samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +106,13 @@ class EventTracer:
 
     def at(self, share: np.ndarray, state: np.ndarray) -> EventPoint | None:
         """Return the event over one parameter near a point of the plane, in shares, from a state nearby."""
-        plane, axis, other = self.plane, self.axis, 1 - self.axis
+        axis, other = self.axis, 1 - self.axis
         # outside the ranges there may be no scenes
         share = np.where(np.arange(2) == other, share.clip(0.0, 1.0), share)
-        family = plane.family(plane.value(share[other], other), axis, 2)
-        near = family.parameter.s_of(plane.value(share[axis], axis))
+        family = self.plane.family(self.plane.parameters[other].at_share(share[other]), axis, 2)
         # steps count shares of the range
-        length = float(np.ptp(family.parameter.ends))
+        over, length = family.parameter, float(np.ptp(family.parameter.ends))
+        near = over.s_of(over.at_share(share[axis]))
         line: Any = replace(family.line, weight=1.0 / length)
         if self.hold is None:
             room = STEPS.longest * length
@@ -106,7 +129,7 @@ class EventTracer:
             if self.contact is not None:
                 value = found.opening(self.contact)
         x = np.append(share, found.state)
-        x[axis] = plane.share(found.s, axis)
+        x[axis] = over.share_of(found.s)
         return EventPoint(x, found, kkt, value, 0.0 * x)
 
     def _on(self, line: Line, hold: tuple[Contact, ...], begin: np.ndarray) -> Equilibrium | None:

@@ -1,6 +1,7 @@
-"""Origami over one or two parameters, and the lines of problems between them.
+"""Origami over one parameter, and the line of problems along it.
 
-What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see `numbers`.
+What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see
+`pattern.with_numbers`.
 """
 
 from __future__ import annotations
@@ -16,9 +17,15 @@ import numpy as np
 from origami_nlp.continuation import STEPS, ContinuationOptions, GeometryLine, Line, ParameterLine
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.paths.numbers import Example, with_numbers
-from origami_nlp.paths.parameter_range import ParameterRange, meant_by
-from origami_nlp.pattern import Scene, as_pattern, examples, with_symmetry_of
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.pattern import (
+    Example,
+    Scene,
+    as_pattern,
+    examples,
+    with_numbers,
+    with_symmetry_of,
+)
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Parameters
 
@@ -62,11 +69,12 @@ class Family:
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
         values = np.linspace(*self.parameter.ends, self.samples).tolist()
-        stated = (self.scene_of(self.parameter.t_of(s)) for s in values)
-        made = [(one, pose(one)) for one in stated]
-        if self.like is not None:
-            made[0][1].numbered_as(self.like)
-        return same_problem(made, self.parameter.name)
+        posed = list[PatternProblem]()
+        for s in values:
+            made = self.scene_of(self.parameter.t_of(s))
+            like = posed[0] if posed else self.like
+            posed.append(posed_as(like, pose(made), made, self.parameter.name))
+        return posed
 
     @property
     def _size(self) -> float:
@@ -81,31 +89,33 @@ class Family:
         OptionError
             If they are not posed alike, or their numbers jump.
         """
-        (low, high), posed, weight = self.parameter.ends, self._posed, WEIGHT * self._size
-        whole, length = posed[0], high - low
-        corners = [p.pattern.corners for p in posed]
+        over, posed, weight = self.parameter, self._posed, WEIGHT * self._size
+        (low, high), whole, first = over.ends, posed[0], posed[0].parameters
+        length, corners = high - low, [p.pattern.corners for p in posed]
         moved = not all(np.array_equal(c, corners[0]) for c in corners)
-        if moved and not len(whole.parameters.sectors):
+        if moved and not len(first.sectors):
             return GeometryLine(whole, self._problem_at, length, weight)
-        numbers = np.array([linear_numbers(p.parameters) for p in posed])
-        # equal steps of s: numbers that are linear change by the same from scene to scene
-        change = np.diff(numbers, axis=0)
-        apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
-        if apart.max() > RESOLVED:
-            cuts = np.linspace(low, high, self.samples)[int(apart.argmax()) :][:2]
-            a, b = (self.parameter.t_of(float(s)) for s in cuts)
-            where = f"the scenes over {self.parameter.name} jump between {a:.6g} and {b:.6g}"
-            raise OptionError(f"{where}: these are two families, follow each alone")
-        first = whole.parameters
         direction = change_of(first, posed[-1].parameters, length)
         start = ParameterLine(whole, first, direction).at(-low).parameters
         line = ParameterLine(whole, start, direction, weight)
+        values = np.linspace(low, high, self.samples).tolist()
+
+        def sectors(s: float) -> np.ndarray:
+            return first.sectors + (s - low) * direction.sectors
+
+        off = np.array([_numbers(p.parameters, p.parameters.sectors) for p in posed])
+        off -= [_numbers(line.at(s).parameters, sectors(s)) for s in values]
+        if np.abs(off).max() > RESOLVED * (1 + np.abs(first.vector).max()):
+            k = int(np.abs(np.diff(off, axis=0)).max(axis=1).argmax())
+            a, b = map(over.t_of, values[k : k + 2])
+            where = f"the scenes over {over.name} jump between {a:.6g} and {b:.6g}"
+            raise OptionError(f"{where}: these are two families, follow each alone")
         if not direction.sectors.any():
             return line
 
         def at(s: float) -> Any:
             problem: Any = line.at(s)
-            return problem.shaped(first.sectors + (s - low) * direction.sectors)
+            return problem.shaped(sectors(s))
 
         return GeometryLine(whole, at, length, weight)
 
@@ -123,52 +133,12 @@ class Family:
         return replace(STEPS, first=self._size * STEPS.first, longest=self._size * STEPS.longest)
 
 
-@dataclass(frozen=True, eq=False)
-class Plane:
-    """Scenes that differ from one in two parameters.
-
-    Attributes
-    ----------
-    scene
-        Where the other numbers come from.
-    parameters
-        Both parameters with their ranges.
-    """
-
-    scene: Scene
-    parameters: tuple[ParameterRange, ParameterRange]
-
-    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
-        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
-        along, other = self.parameters[axis], self.parameters[1 - axis]
-        made = family_of(family_of(self.scene, other).scene_of(value), along)
-        return replace(made, like=self._like, samples=samples)
-
-    @cached_property
-    def _like(self) -> PatternProblem:
-        """Whose scale and numbers of contacts all problems of the plane take."""
-        return pose(self.scene)
-
-    def share(self, s: float, axis: int) -> float:
-        """Return which share of its range a parameter is at, as it is followed (logarithms of ratios)."""
-        low, high = self.parameters[axis].ends
-        return (s - low) / (high - low)
-
-    def value(self, share: float, axis: int) -> float:
-        """Return a parameter at a share of its range, exact at both ends."""
-        low, high = self.parameters[axis].ends
-        return self.parameters[axis].t_of(high if share == 1.0 else low + share * (high - low))
-
-
-def linear_numbers(p: Parameters) -> np.ndarray:
-    """Return the numbers that are linear along a line: in the order of `Parameters`, stiffness as its logarithm."""
-    more = [] if p.dead is None else [p.dead.vector]
-    k, rest = p.stiffness, p.rest
-    if p.laws is not None:
-        # a law has a factor and a shift
-        none = p.laws.weight == 0
-        k, rest = np.where(none, k, p.laws.weight + none), np.where(none, rest, p.laws.shift)
-    return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
+def _numbers(p: Parameters, sectors: np.ndarray) -> np.ndarray:
+    """Return the numbers of a problem; hinges with laws have no others."""
+    springs = 1.0 if p.laws is None else p.laws.weight == 0
+    return replace(
+        p, sectors=sectors, stiffness=springs * p.stiffness, rest=springs * p.rest
+    ).vector
 
 
 def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
@@ -184,23 +154,28 @@ def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
     )
 
 
-def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[PatternProblem]:
-    """Return problems with the scale and the numbers of contacts of the first; name: of the parameter.
+def posed_as(like: PatternProblem | None, problem: PatternProblem, made: Any, name: str) -> Any:
+    """Return a problem with scale and contacts of another one, and preload as a load; name: of the parameter.
+
+    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
 
     Raises
     ------
     OptionError
-        If some have other facets, hinge laws, another symmetry or contact.
+        If it has other facets, hinge laws, another symmetry or contact.
     """
-    _, whole = made[0]
-    one = _structure(whole)
-    for other in (_structure(problem) for _, problem in made):
+    if like is not None:
+        one, other = map(_structure, (like, problem))
         if one[:-1] != other[:-1]:
             why = "do not stay: state the symmetry, or follow a shorter range"
             raise OptionError(f"over {name} facets, creases, symmetry or contact {why}")
         if one[-1] != other[-1]:
             raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
-    return [_posed_as(whole, stated, problem) for stated, problem in made]
+    if len(preload := getattr(made, "preload", ())):
+        load = problem.gathered(np.array(preload)) / problem.scale
+        rest = problem.reduce(made.rest)
+        problem = problem.varied(replace(problem.parameters, rest=rest, load=load))
+    return problem if like is None else problem.numbered_as(like)
 
 
 def _structure(p: PatternProblem) -> tuple[Any, ...]:
@@ -210,20 +185,7 @@ def _structure(p: PatternProblem) -> tuple[Any, ...]:
     return p.pattern.polygons, p.pattern.ends.tolist(), p.contact, p.has_limits, orbit, laws
 
 
-def _posed_as(whole: PatternProblem, stated: Any, problem: PatternProblem) -> PatternProblem:
-    """Return a problem with the scale of another, and preload as a load.
-
-    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
-    """
-    preload = getattr(stated, "preload", ())
-    if len(preload):
-        load = problem.gathered(np.array(preload)) / problem.scale
-        rest = problem.reduce(np.array(stated.rest_angles))
-        problem = problem.varied(replace(problem.parameters, rest=rest, load=load))
-    return problem if problem is whole else problem.numbered_as(whole)
-
-
-def family_of(stated: Any, parameter: ParameterRange) -> Family:
+def family_of(stated: Any, *parameters: ParameterRange, at: Sequence[float] = ()) -> Family:
     """Return the scenes, or patterns, that differ from one in a parameter.
 
     Parameters
@@ -231,8 +193,10 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     stated
         Where the other numbers come from: a scene, whose symmetry is kept, or a pattern as `as_pattern` takes it; of an
         example by name, its options can be followed over.
-    parameter
-        The parameter and its range.
+    *parameters
+        The parameter and its range, and others that are held.
+    at
+        Values of the others.
 
     Returns
     -------
@@ -244,7 +208,10 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     OptionError
         If there is no such parameter.
     """
-    names = parameter.names
+    parameter, *others = parameters
+    names, held = parameter.names, dict[str, float]()
+    for other, value in zip(others, at, strict=True):
+        held |= dict.fromkeys(other.names, value)
     example, of = "", stated
     if isinstance(stated, str) and examples.is_example(stated.partition(":")[0]):
         of = Example.of(stated, True)
@@ -254,15 +221,14 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     elif not example:
         of = as_pattern(stated, "origami")
         of.check_alone("following states over a parameter")
-    family = Family(parameter, lambda t: with_numbers(of, dict.fromkeys(names, t)), example=example)
+    made: Any = lambda t: with_numbers(of, {**held, **{name: t for name in names}})  # noqa: E731
     try:
-        family.scene_of(parameter.low)
+        made(parameter.low)
     except OptionError as error:
-        more = f", or ratio{meant_by(parameter.name)}" * (not isinstance(stated, Scene))
-        raise OptionError(f"parameter = {error}{more}") from None
+        raise OptionError(f"parameter = {error}") from None
     except OrigamiError:  # a value that does not fit is said where it is followed
         pass
-    return family
+    return Family(parameter, made, example=example)
 
 
 def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) -> Scene:
@@ -292,8 +258,6 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
     values: dict[str, float] = {}
     for k, parameter in enumerate(parameters, start=1):
         # no rational relation between parameters
-        low, high = parameter.ends
-        t = parameter.t_of(low + math.exp(-k) * (high - low))
-        values |= dict.fromkeys(parameter.names, t)
+        values |= dict.fromkeys(parameter.names, parameter.at_share(math.exp(-k)))
     generic = with_numbers(replace(scene, mirror=None, winding=None), values)
     return with_symmetry_of(scene, generic)  # type: ignore[arg-type]

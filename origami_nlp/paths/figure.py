@@ -11,21 +11,20 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.display import INKS, KINDS, label_text
-from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.boundary import FLAT, BifurcationSet
-from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.result import Path, Plot
 
 COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": "#56B4E9"}
-OTHER = "#CC79A7"
-"""Of states whose verdict is neither."""
+OTHER, SNAP = "#CC79A7", "#c1121f"
+"""Of states whose verdict is neither; of snaps."""
 MARKS = {"fold": "s", "nonsmooth-fold": "D", "closes": "o", "leaves": "o"}
 MARKS |= {"branching": "X", "singular": "x"}
-SNAP = "#c1121f"
 BAND: Any = {"color": "#222222", "lw": 6, "alpha": 0.13, "solid_capstyle": "round", "zorder": 1}
 DOTS: Any = {"color": "white", "lw": 1.4, "ls": (0, (1, 1.5)), "zorder": 2.5}
 """Over minima that are stable only with their symmetry."""
+SOLID: Any = {"ls": "-", "lw": 1.6}
+DASHED: Any = {"ls": (0, (4, 2)), "lw": 1.1}
 
 
 def draw_path(path: Path) -> Figure:
@@ -39,9 +38,9 @@ def draw_path(path: Path) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Over a parameter energy, the fold angle that separates branches best, and contact moments where there are any,
-        the number of minima above.  Of a load the load and the energy over what it works on, and the energy over the
-        load: the path in grey, snaps as red arrows.  Events are marked and numbered.
+        Over a parameter energy, the fold angle that separates branches best, and contact moments where there are any.
+        Of a load the load and the energy over what it works on, and the energy over the load: the path in grey, snaps
+        as red arrows.  Events are marked and numbered.
 
     Raises
     ------
@@ -49,62 +48,49 @@ def draw_path(path: Path) -> Figure:
         If `path` is not of its type.
     """
     check_type("path", path, Path)
-    panels, load = path.panels, isinstance(path, LoadPath)
-    count, handles = len(panels), dict[str, Line2D]()
-    size, rows = (7.0, 1.0 + 2.1 * count), (count, 1)
-    if load:
-        size, rows = (4.2 * count, 4.6), (1, count)
+    panels, handles = path.panels, dict[str, Line2D]()
     with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
-        figure = Figure(figsize=size, dpi=110, layout="constrained")
-        every = figure.subplots(*rows, squeeze=False, sharex=not load).ravel()
-        for panel, axes in zip(panels, every, strict=True):
+        figure = Figure(figsize=(4.2 * len(panels), 4.6), dpi=110, layout="constrained")
+        for panel, axes in zip(
+            panels, figure.subplots(1, len(panels), squeeze=False)[0], strict=True
+        ):
             _branches(path, panel, axes, handles)
+            _legs(path, panel, axes, handles)
             _events(path, panel, axes, handles)
-            if isinstance(path, LoadPath):
-                _legs(path, panel, axes, handles)
             axes.set(xlabel=label_text(panel.x), ylabel=label_text(panel.y))
             for name, side in ((panel.x, "x"), (panel.y, "y")):
                 if name == path.parameter.axis:
-                    _over(axes, side, path.parameter, *_shown_range(path))
+                    _over(axes, side, path.parameter, *path.span)
             axes.margins(y=0.1)  # for the numbers of events
             axes.grid(True, lw=0.3, color="#dddddd")
-        if isinstance(path, LoadPath):
-            begun = f", from state #{path.state}" if path.state else ""
-            title = f"{path.driver.origami.title}: {path.driver.name}{begun}"
-            figure.suptitle(label_text(title), fontsize=10)
-        elif isinstance(path, Atlas):
-            _counts(path, every[0])
-        many = max(1, min(6, len(handles)))
-        look: Any = {"loc": "outside lower center", "ncols": many, "frameon": False}
+        title = f"{path.origami_at(path.parameter.low).title}: {path.parameter.name}"
+        figure.suptitle(label_text(title), fontsize=10)
+        look: Any = {"loc": "outside lower center", "ncols": 4, "frameon": False}
         figure.legend(handles.values(), handles.keys(), **look)
     return figure
 
 
 def _shown(path: Path, panel: Plot, points: Any) -> np.ndarray:
     """Return the places of points on a panel, [m, 2], nan of those outside what is shown."""
-    low, high = _shown_range(path)
+    low, high = path.span
     return panel.values(p if low <= p.t <= high else None for p in points)
 
 
 def _branches(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
     """Draw minima by solid lines, other states by dashed ones."""
     for branch in path.branches:
-        at = _shown(path, panel, branch.points)
-        for r in branch.kind_ranges:
-            own = slice(r.points[0], r.points[1] + 1)
-            look: Any = {"ls": "-", "lw": 1.6} if r.stable else {"ls": (0, (4, 2)), "lw": 1.1}
-            line = axes.plot(*at[own].T, color=COLOURS.get(r.kind, OTHER), **look)[0]
-            handles.setdefault(r.kind, line)
-            if r.stable:
-                kept = np.array([p.full_space_eigenvalue < 0 for p in branch.points[own]])
-                axes.plot(*np.where(kept[:, None], at[own], np.nan).T, **DOTS)
+        at, look = _shown(path, panel, branch.points), SOLID if branch.stable else DASHED
+        line = axes.plot(*at.T, color=COLOURS.get(branch.kind, OTHER), **look)[0]
+        handles.setdefault(branch.kind, line)
+        kept = np.array([branch.stable and p.full_space_eigenvalue < 0 for p in branch.points])
+        if kept.any():
+            axes.plot(*np.where(kept[:, None], at, np.nan).T, **DOTS)
 
 
 def _events(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
     """Mark events with their numbers."""
-    low, high = _shown_range(path)
     beside: Any = {"textcoords": "offset points", "fontsize": 8, "annotation_clip": True}
-    for e in (e for e in path.events if low <= e.t <= high):
+    for e in (e for e in path.events if path.span[0] <= e.t <= path.span[1]):
         place = panel.values([path.point_of(e)])[0]
         look = {"marker": MARKS.get(e.type, "P"), "mfc": "white" if e.type == "leaves" else "black"}
         mark = axes.plot(*place, **look, ls="none", color="black", ms=4.5, zorder=5)[0]
@@ -112,54 +98,27 @@ def _events(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> N
         axes.annotate(str(e.id), place, (3, 4), **beside)
 
 
-def _over(axes: Any, side: str, parameter: ParameterRange, low: float, high: float) -> None:
-    """Let an axis be that of a parameter."""
-    axes.set(**{f"{side}label": label_text(parameter.axis)})
-    axes.set(**{f"{side}scale": "log" if parameter.log else "linear"})
-    axes.set(**{f"{side}lim": (parameter.drawn(low), parameter.drawn(high))})
-
-
-def _shown_range(path: Path) -> tuple[float, float]:
-    """Values of the parameter that are shown; of a load those of the path, but not far beyond its last event."""
-    if not isinstance(path, LoadPath):
-        return path.parameter.low, path.parameter.high
-    loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
-    low, high = min(loads), max(loads)
-    events = [0.0, *(e.t for e in path.events if low <= e.t <= high)]
-    more = 0.3 * (max(events) - min(events)) or high - low
-    low, high = max(low, min(events) - more), min(high, max(events) + more)
-    room = 0.08 * (high - low) or 1.0
-    return low - room, high + room
-
-
-def _legs(path: LoadPath, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
-    """Draw what the state does: the path as a band, snaps as arrows."""
-    for leg in path.legs:
+def _legs(path: Any, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
+    """Draw what a state does under a load: the path as a band, snaps as arrows."""
+    for leg in getattr(path, "legs", ()):
         at = _shown(path, panel, leg.points)
         handles.setdefault("the path", axes.plot(*at.T, **BAND)[0])
         if leg.moved:  # of creases that may yield no other states are followed
             axes.plot(*at.T, color=BAND["color"], lw=1.4, zorder=2)
     arrow = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2}
-    for snap in path.snaps:
+    for snap in getattr(path, "snaps", ()):
         a, b = panel.values(path.point_at(snap.t, phi) for phi in (snap.before, snap.after))
         axes.annotate("", b, a, arrowprops=arrow, zorder=4)
         axes.plot(*a, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
         end = axes.plot(*b, ".", ms=5, color=SNAP, zorder=4)[0]  # arrows alone do not widen axes
-        handles.setdefault(f"snap at {snap.t:.4g} {path.driver.unit}".rstrip(), end)
+        handles.setdefault(f"snap at {snap.t:.4g} {path.parameter.unit}".rstrip(), end)
 
 
-def _counts(path: Atlas, axes: Any) -> None:
-    """Write the number of minima above, interval by interval."""
-    over, (low, high) = path.parameter, path.parameter.ends
-    above: dict[str, Any] = {"xycoords": "axes fraction", "va": "bottom"}
-    axes.annotate("minima:", (0, 1.02), ha="right", **above)
-    for interval in path.intervals:
-        a, b = ((over.s_of(t) - low) / (high - low) for t in interval.t)
-        if b - a >= 0.02:
-            where = 0.5 * (a + b), 1.02
-            axes.annotate(str(interval.minima), where, ha="center", fontweight="bold", **above)
-        if b < 1.0:
-            axes.axvline(over.drawn(interval.t[1]), color="#bbbbbb", lw=0.6, zorder=0)
+def _over(axes: Any, side: str, parameter: ParameterRange, low: float, high: float) -> None:
+    """Let an axis be that of a parameter."""
+    axes.set(**{f"{side}label": label_text(parameter.axis)})
+    axes.set(**{f"{side}scale": "log" if parameter.log else "linear"})
+    axes.set(**{f"{side}lim": (parameter.drawn(low), parameter.drawn(high))})
 
 
 def draw_boundaries(boundaries: BifurcationSet) -> Figure:
@@ -188,19 +147,14 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
             y, x = ([p.drawn(q.t[k]) for q in curve.points] for k, p in enumerate((up, across)))
-            name = curve.contact and f"{curve.type}: {curve.contact.split(' (')[0]}"
-            name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
-            turns = "fold" in curve.type or curve.type == FLAT
-            look: Any = {"ls": "-", "lw": 1.6} if turns else {"ls": (0, (4, 2)), "lw": 1.2}
-            axes.plot(x, y, color=INKS[k % len(INKS)], **look, label=f"{curve.id}  {name}")
-        low, high = up.ends
+            look = SOLID if "fold" in curve.type or curve.type == FLAT else DASHED
+            name = f"{curve.id}  {curve.type}: {curve.contact.partition(' (')[0]}".rstrip(": ")
+            axes.plot(x, y, color=INKS[k % len(INKS)], **look, label=name)
         for line in (line for line in boundaries.lines if line.parameter == up.name):
             for i in line.intervals:
-                a, b = (up.s_of(t) for t in i.t)
-                if b - a > 0.04 * (high - low):
-                    at = across.drawn(line.t), up.drawn(up.t_of(0.5 * (a + b)))
-                    side = {across.low: "left", across.high: "right"}.get(line.t, "center")
-                    axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
+                at = across.drawn(line.t), up.drawn(up.t_of(0.5 * sum(map(up.s_of, i.t))))
+                side = {across.low: "left", across.high: "right"}.get(line.t, "center")
+                axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
         for side, p in (("x", across), ("y", up)):
             _over(axes, side, p, p.low, p.high)
         if boundaries.curves:

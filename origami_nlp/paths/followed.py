@@ -5,30 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.continuation import (
     AGAIN,
     LATE,
+    START,
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
     Line,
+    SpecialPoint,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import ContactForce, State
+from origami_nlp.kkt import contact_forces
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.problem import Contact
+from origami_nlp.pattern_states import judge
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
-Chain: TypeAlias = list[tuple[int, bool]]
-"""Arcs in order, each with whether it is run from its start to its end."""
 
 
 class FollowedDiagram(BifurcationDiagram):
@@ -77,38 +77,23 @@ class FollowedDiagram(BifurcationDiagram):
 
     def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
         """Return branches and events with their numbers."""
-        chains = self._chains()
-        number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
-        meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
             if k not in self._kinds:
                 self._kinds[k] = kind_of(arc, judged=not self.cut)
-            for node in (arc.start, arc.end):
-                meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
         shown.sort(key=lambda k: self.nodes[k].s)
-        ids = {k: i for i, k in enumerate(shown, start=1)}
-        events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        return tuple(self._branch(k, c) for k, c in enumerate(chains, start=1)), events
+        events = tuple(self._event(*numbered) for numbered in enumerate(shown, start=1))
+        return tuple(map(self._branch, range(len(self.arcs)))), events
 
     def point(self, frame: Equilibrium) -> r.PathPoint:
         """Return a state in the scene's units."""
         if frame in self._points:
             return self._points[frame]
-        p, forces = frame.problem, []
-        phi = p.expand(frame.state) + 0.0
-        if frame.hold:
-            spread = _spread(frame.seen)
-            for contact, value in zip(frame.hold, frame.forces.tolist(), strict=True):
-                # moment at each single contact, in the scene's units
-                unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
-                low, high = (unit * v for v in spread.get(contact, (value, value)))
-                touching = who.text, who.creases, who.facets, who.corners, who.side, who.place
-                forces.append(ContactForce(who.type, value * unit, (low, high), *touching))
+        phi = frame.problem.expand(frame.state) + 0.0
         found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
-            multipliers=tuple(forces),
+            multipliers=contact_forces(frame.seen, frame.hold) if frame.hold else (),
             eigenvalue=least_eigenvalue(frame),
             full_space_eigenvalue=math.nan if self.cut else self.across(frame),
             **self.seen_as(frame, phi),
@@ -125,46 +110,29 @@ class FollowedDiagram(BifurcationDiagram):
 
     def listed_at(self, value: float) -> tuple[JudgedState, ...]:
         """Return the states of all branches at one value of the parameter, judged there."""
-        out, scale = list[JudgedState](), self.line.problem.scale
+        out = []
         for frame in self.frames_at(self.parameter.s_of(value)):
-            what, phi = frame.judged, frame.seen.fold_angles
-            state = JudgedState(
-                self.seen_as(frame, phi)["energy"], tuple(phi.tolist()), what.verdict, what.reason,
-                what.kind or "", what.local_dimension, contacts=what.contacts,
-                closure_residual=frame.seen.residual, kkt_residual=frame.system.residual,
-            )  # fmt: skip
-            out.append(state)
+            posed: Any = frame.problem
+            energy = self.seen_as(frame, frame.seen.fold_angles)["energy"]
+            out.append(replace(judge(posed, frame.state), energy=energy))
         # ties (mirror images of one another) in a fixed order
+        scale = self.line.problem.scale
         return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))
 
-    def _chains(self) -> list[Chain]:
-        """Join arcs at nodes where just two of them meet; others end there."""
-        meeting: dict[int, list[int]] = {}
-        for k, arc in enumerate(self.arcs):
-            meeting.setdefault(arc.start, []).append(k)
-            meeting.setdefault(arc.end, []).append(k)
-        left = set(range(len(self.arcs)))
+    def split(self, k: int, frame: Equilibrium) -> int:
+        """Make a state on an arc a node, and return its number."""
+        arc, number = self.arcs[k], len(self.nodes)
+        forward = arc.frames[-1].s > arc.frames[0].s
+        before = [f for f in arc.frames if (f.s < frame.s) == forward and f.s != frame.s]
+        after = arc.frames[len(before) + (arc.frames[len(before)].s == frame.s) :]
+        self.nodes.append(SpecialPoint(START, frame.x))
+        self.arcs[k] = replace(arc, frames=(*before, frame), end=number)
+        self.arcs.append(replace(arc, frames=(frame, *after), start=number))
+        return number
 
-        def walk(k: int, node: int) -> Chain:
-            chain: Chain = []
-            while k in left:
-                left.discard(k)
-                forward = self.arcs[k].start == node
-                chain.append((k, forward))
-                node = self.arcs[k].end if forward else self.arcs[k].start
-                onward = [other for other in meeting[node] if other != k]
-                if len(meeting[node]) != 2 or not onward:
-                    break
-                k = onward[0]
-            return chain
-
-        # ends of branches: where one arc ends, or three and more meet; then closed curves
-        ends = [(k, node) for node, arcs in sorted(meeting.items()) if len(arcs) != 2 for k in arcs]
-        ends += [(k, arc.start) for k, arc in enumerate(self.arcs)]
-        return [walk(k, node) for k, node in ends if k in left]
-
-    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> r.PathEvent:
-        node = self.nodes[at]
+    def _event(self, number: int, at: int) -> r.PathEvent:
+        node, arcs = self.nodes[at], enumerate(self.arcs, start=1)
+        meets = tuple(k for k, arc in arcs if at in (arc.start, arc.end))
         problem, note = self.line.at(node.s), node.why
         if node.between is not None:
             low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
@@ -187,25 +155,13 @@ class FollowedDiagram(BifurcationDiagram):
         named = named or [after for contacts, after in held if len(contacts) == most]
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
-    def _branch(self, number: int, chain: Chain) -> r.PathBranch:
-        points, ranges = list[r.PathPoint](), list[r.KindRange]()
-        for k, forward in chain:
-            arc = self.arcs[k]
-            frames = arc.frames if forward else arc.frames[::-1]
-            begin = len(points) - bool(points)  # arcs share the point at which they meet
-            points += [self.point(f) for f in frames[bool(points) :]]
-            t = self.parameter.t_of(frames[0].s), self.parameter.t_of(frames[-1].s)
-            kind, why = self._kinds[k]
-            place = begin, len(points) - 1
-            ranges = _joined(ranges, r.KindRange(t, kind, arc.index, why, place))
-        (a, forward), (b, onward) = chain[0], chain[-1]
-        first = self.arcs[a].start if forward else self.arcs[a].end
-        final = self.arcs[b].end if onward else self.arcs[b].start
-        both = (self.nodes[k] for k in (first, final))
+    def _branch(self, k: int) -> r.PathBranch:
+        arc, (kind, why) = self.arcs[k], self._kinds[k]
+        points = tuple(map(self.point, arc.frames))
+        both = (self.nodes[node] for node in (arc.start, arc.end))
         begins, ends = (": ".join(filter(None, (node.type, node.why))) for node in both)
-        if first == final and len(chain) > 1:
-            begins = ends = "closed curve"
-        return r.PathBranch(number, tuple(ranges), tuple(points), (begins, ends))
+        t = points[0].t, points[-1].t
+        return r.PathBranch(k + 1, t, kind, arc.index, why, points, (begins, ends))
 
 
 def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
@@ -232,23 +188,3 @@ def kind_of(arc: BranchSegment, judged: bool = True) -> tuple[str, str]:
     found = [arc.frames[k].judged for k in dict.fromkeys(inner)]
     worst = next((what for what in found if what.kind not in r.COUNTED), found[0])
     return worst.kind or worst.verdict, worst.reason
-
-
-def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
-    """Add a range; one that goes on in the same kind and direction is made longer."""
-    if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
-        if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
-            t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
-            return [*ranges[:-1], replace(old, t=t, points=points)]
-    return [*ranges, new]
-
-
-def _spread(state: State) -> dict[Contact, tuple[float, float]]:
-    """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
-    out: dict[Contact, tuple[float, float]] = {}
-    for piece in state.pieces:
-        found = state.on(piece).multiplier_set
-        if not found.unique:
-            for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
-                out.setdefault(contact, (float(low), float(high)))
-    return out

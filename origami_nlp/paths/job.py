@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,23 +19,59 @@ from origami_nlp.continuation import (
     is_equilibrium,
 )
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse
+from origami_nlp.kkt import Classification, State, classified, classify, singular_beside
+from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse, first_largest
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
+from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.ways import Run, Ways
-from origami_nlp.pattern_problem import PopSigns
+from origami_nlp.search import TRUST, descent_path
 
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
 CUT = f"{OUT_OF_TIME}: the path goes on from where it ends here"
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
-
+OFF_BRANCH = 1e-3
+"""How far beside such a state a descent begins [rad]."""
+LEAST_SPAN = 1e-3
+"""A snap at a load of less than this share of the whole range is stepped over by shares of that."""
+OVER = (1e-5, 1e-4, 1e-3)
+"""How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
+rest at a certified minimum."""
+UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
+"""Why a descent ends at a state that is neither held on every piece nor left on one."""
+WALL = ("refused", "singular", "touches", "closes")
+"""Where nothing is known of what lies beyond."""
 
 Arrived = tuple[np.ndarray, float]
 """A state, and the load at which it is one."""
+
+
+class Fall(NamedTuple):
+    """Where a snap leads: to a state, known at the load s."""
+
+    state: np.ndarray
+    s: float
+    what: Classification
+
+
+class Run(NamedTuple):
+    """Stable states that a load passes in one diagram, one way.
+
+    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, a type of event beyond which
+    nothing is followed, or what stopped it.  fall: the snap that ends them.  branches_off: whether the first of them is
+    a bifurcation.
+    """
+
+    job: Any
+    frames: tuple[Equilibrium, ...]
+    node: int
+    why: str
+    toward: float
+    fall: Fall | None = None
+    branches_off: bool = False
 
 
 @dataclass
@@ -51,7 +87,7 @@ class PathRecord:
     work: float = 0.0
 
 
-class FollowedLoad(Ways):
+class FollowedLoad(FollowedDiagram):
     """One load path while it is followed, or one stage of it with hinges that yield."""
 
     def __init__(
@@ -80,20 +116,122 @@ class FollowedLoad(Ways):
         energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
         return {"energy": energy, "angle": float(self.driver.conjugate(phi))}
 
-    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
-        """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
-        if not self.holding(x, s) and self.given(x, s) is None:
-            self.add(x, s, "minimum", toward, follow)
+    def known(self, x: np.ndarray, s: float) -> int | None:
+        """Return the node at which the stable state x is at s; a state on an arc becomes one.  None of no such."""
+        point = np.append(x, s)
+        for number, node in enumerate(self.nodes):
+            if np.abs(node.point - point).max() <= SETTLED:
+                return number
+        for k, frame in self.states_at(s):
+            if not frame.index and np.abs(frame.state - x).max() <= SETTLED:
+                return self.split(k, frame)
+        return None
+
+    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> int:
+        """Return the node of the minimum x at s; what comes of a new one is followed, one way at first."""
+        if (number := self.known(x, s)) is not None:
+            return number
+        number = len(self.nodes)
+        self.add(x, s, "minimum", toward, follow)
+        return number
+
+    def walk(self, node: int, toward: float, end: float, last: int = -1) -> Run | None:
+        """Go from the stable state at a node towards the load `end`, up to the limit point or bifurcation that ends it.
+
+        None where no stable state is known there.  What was left of it (`BifurcationDiagram.resume`) is followed where
+        the way goes on there.  last: a node at which the way ends, too.
+        """
+        frames, k = list[Equilibrium](), -1
+        while True:
+            why, onward = self._why(node, end), self._onward(node, k, toward)
+            if not onward and (why != "range" or not frames) and self.resume(node, toward):
+                onward = self._onward(node, k, toward)
+            stops = why == "range" or node == last or self._leaves_flat(node)
+            if not onward or (frames and stops):
+                break
+            k = onward[0]
+            arc = self.arcs[k]
+            forward = arc.start == node
+            frames += arc.frames[:: 1 if forward else -1][bool(frames) :]
+            node = arc.end if forward else arc.start
+        meet = [
+            a.frames[0 if a.start == node else -1] for a in self.arcs if node in (a.start, a.end)
+        ]
+        frames = frames or [f for f in meet if not f.index][:1]
+        return Run(self, tuple(frames), node, why, toward) if frames else None
+
+    def _leaves_flat(self, node: int) -> bool:
+        """Return whether a node is the flat state, and the load pulls from there along another branch than the one that
+        comes there: stable states that lead on beyond are not reached."""
+        found = self.nodes[node]
+        if found.type != "singular" or found.point[:-1].any():
+            return False
+        return classify(State(self.line.at(found.s), found.point[:-1])).verdict != "minimum"
+
+    def _onward(self, node: int, arc: int, toward: float) -> list[int]:
+        """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
+        at = self.nodes[node].s
+        every = [k for k, a in enumerate(self.arcs) if node in (a.start, a.end)]
+        every = [k for k in every if k != arc and not self.arcs[k].index]
+        return [k for k in every if (self._far(k, toward) - at) * toward > 0]
+
+    def _far(self, arc: int, toward: float) -> float:
+        """The end of an arc that lies farthest in a direction."""
+        return self.arcs[arc].high if toward > 0 else self.arcs[arc].low
+
+    def _why(self, node: int, end: float) -> str:
+        found = self.nodes[node]
+        if abs(found.s - end) <= SETTLED * (1 + abs(end)):
+            return "range"
+        if found.type in (LATE, *self.stops):
+            return found.type
+        if found.type in WALL or (found.type == "slides" and not found.located):
+            return f"stopped: {found.why or 'closure or contacts lose rank'}"
+        return "snap"
+
+    def release(self, node: SpecialPoint, toward: float) -> Fall | str:
+        """Descend from the end of a way, a little beyond its load: where to, or why to no minimum."""
+        phi, why = node.point[:-1], ""
+        posed: Any = self.line.problem
+        span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
+        slides, forks = node.type == "slides", node.type == "branching"
+        # lower states are beside where a facet ends, unless others hold
+        lower = classify(State(self.line.at(node.s), phi)).lower if slides else phi
+        posed.until = self.steps.until
+        try:
+            # states that branch off are distinguished from those that do not by the square root of the share
+            for share in OVER[forks:]:
+                s = node.s + toward * share * span
+                problem: Any = self.line.at(s)
+                starts = [] if lower is None else [lower]
+                if forks:  # balanced: the energy falls to second order, to either side
+                    state = State(problem, phi)
+                    soft = state.on(state.pieces[0]).softest
+                    if soft is not None:
+                        aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
+                        starts = [phi + aside, phi - aside]
+                for start in starts:
+                    end, lost = _downhill(problem, start)
+                    if np.abs(end - phi).max() <= 10 * share:
+                        continue
+                    what = classified(problem, end)
+                    minimum = not lost and what.verdict == "minimum"
+                    if minimum and singular_beside(problem, end) is None:
+                        return Fall(end, s, what)
+                    why = lost or what.reason
+        finally:
+            posed.until = math.inf
+        return why or "no lower state was reached"
 
     def go(self, x: np.ndarray, s: float, end: float, *, once: bool) -> Arrived | None:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives."""
         toward, ways, alarms = 1.0 if end > s else -1.0, self.record.ways, self.record.alarms
         far = self.parameter.high if toward < 0 else self.parameter.low
         before: tuple[Equilibrium, ...] = ()  # stable states that branched off and led to x
-        self.begin(x, s, toward)
+        number = self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
-            # x is stable at s, and the load runs on from there
-            way = self.walk(x, s, toward, end)
+            # the node is stable, and the load runs on from there
+            way = self.walk(number, toward, end)
             if self.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
                     ways.append(way._replace(why=LATE, branches_off=bool(before)))
@@ -116,20 +254,23 @@ class FollowedLoad(Ways):
                 return (last.state, last.s) if way.why == "range" else None
             x, s = self._chosen(landed.state, node), landed.s
             if node.type == "branching":
-                self.begin(x, s, toward)
-                led = self.walk(x, s, -toward, far, last=way.node)
+                number = self.begin(x, s, toward)
+                led = self.walk(number, -toward, far, last=way.node)
                 if led is not None and led.node == way.node:
                     # stable states branch off there: the load goes on along them
                     ways[-1], before = way._replace(why=r.PITCHFORK), led.frames[:0:-1]
                     continue
-                if self._continuous(node, x, s):
+                # a snap loses energy at the end already; along states that branch off it is lost by and by, less than
+                # the same two states lose by the change of the load
+                lost, there = (self._released(t, node.point[:-1], x) for t in (s, node.s))
+                if lost <= 2 * abs(lost - there):
                     ways[-1] = way
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
             ways[-1] = way._replace(why="snap", fall=landed._replace(state=x))
             if not self.low <= s <= self.high:
                 return None
-            self.begin(x, s, toward, follow=not once)
+            number = self.begin(x, s, toward, follow=not once)
             if once:
                 return x, s
         alarms.append(f"more than {MOST_SNAPS} snaps")
@@ -141,15 +282,6 @@ class FollowedLoad(Ways):
             return x
         images = self.driver.images(x, node.point[:-1])
         return max(images, key=lambda y: tuple(coarse(y).tolist()))
-
-    def _continuous(self, node: SpecialPoint, x: np.ndarray, s: float) -> bool:
-        """Whether a state x at s, beyond the end of a way, lies on states that branch off there.
-
-        A snap loses energy at the end s0 already; along states that branch off it is lost by and by, less than the same
-        two states lose by the change of the load from s0 to s.
-        """
-        lost, at_the_node = (self._released(t, node.point[:-1], x) for t in (s, node.s))
-        return lost <= 2 * abs(lost - at_the_node)
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state less that of another one, at a load."""
@@ -174,17 +306,12 @@ class FollowedLoad(Ways):
             snapped += run.fall is not None
             legs.append(run.job._leg(run, snapped if run.fall else None))
         on_path = {p.fold_angles for leg in legs for p in leg.points}
-        if self.driver.scene is None:
-            pops = PopSigns(self.driver.problem.pattern)
-            for number, leg in enumerate(legs, start=1):
-                found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
-                kept.alarms += [f"leg {number}: {line}" for line in found]
         passed = self._each_once(met, on_path)
         snaps = [run.job._snap(run, passed) for run in falls]
         if kept.stages:
             used = {snap.event for snap in snaps}
             passed = [e for e in passed if e.id in used or e.fold_angles in on_path]
-        kept.alarms += [line for branch in branches for line in branch.alarms()]
+        kept.alarms += [branch.alarm for branch in branches if branch.alarm]
         kept.alarms += [r.STOPPED] * self.stopped
         alarms = tuple(dict.fromkeys(kept.alarms))
         return LoadPath(
@@ -224,14 +351,16 @@ class FollowedLoad(Ways):
         first = run.frames[0]
         points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
-            phi = self.problem.expand(node.point[:-1])
+            phi = self.line.problem.expand(node.point[:-1])
             more = {"multipliers": (), **self.seen_as(first, phi)}
             more |= dict.fromkeys(("eigenvalue", "full_space_eigenvalue"), math.nan)
             points.append(r.PathPoint(node.s, tuple(phi.tolist()), **more))
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
-        return r.Leg(int(run.toward), tuple(points), run.why, snap, stiff, tuple(moved))
+        a, b = points[0], points[-1]
+        how: Any = {"why": run.why, "snap": snap, "stiffness": stiff, "moved": tuple(moved)}
+        return r.Leg(int(run.toward), tuple(points), (a.t, b.t), (a.angle, b.angle), **how)
 
     def _stiffness(self, frame: Equilibrium) -> float:
         """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
@@ -244,7 +373,7 @@ class FollowedLoad(Ways):
         found, fall, alarms = self.nodes[run.node], run.fall, self.record.alarms
         assert fall is not None
         before, after = found.point[:-1], self._at_the_snap(fall.state, fall.s, found.s)
-        one, two = (self.problem.expand(x) + 0.0 for x in (before, after))
+        one, two = (self.line.problem.expand(x) + 0.0 for x in (before, after))
         far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
         event = events[far.index(min(far))]
         if self.hinges and (over := self.hinges.over(two)):
@@ -258,14 +387,26 @@ class FollowedLoad(Ways):
 
     def _at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
-        begun, on_path = self.given(landed, s), self.holding(landed, s)
-        if not on_path and begun is None:
+        if (number := self.known(landed, s)) is None:
             return landed
-        same = self.arcs[on_path[0][0]].at(at) if on_path else None
-        frame = on_path[0][1] if on_path else self.nodes[begun or 0].halves[0].frame
-        curve = EquilibriumCurve(self.line, frame.hold)
-        if same is None and frame.ahead:
+        arcs = [arc for arc in self.arcs if number in (arc.start, arc.end)]
+        same = next(filter(None, (arc.at(at) for arc in arcs)), None)
+        begun = [half.frame for half in self.nodes[number].halves]
+        frame = [*begun, *(f for arc in arcs for f in (arc.frames[0], arc.frames[-1]))][0]
+        if same is None and begun and frame.ahead:
             # where closure loses rank Newton at a load needs a state nearer than the last one
+            curve = EquilibriumCurve(self.line, frame.hold)
             near = curve.beside(frame, (at - frame.s) * self.line.weight / frame.ahead) or frame
             same = curve.at(near.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
+
+
+def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:
+    """Follow the energy downhill along states in which no facets cross; where to, and why that is no minimum."""
+    try:
+        found = descent_path(problem, start, longest=TRUST)
+    except np.linalg.LinAlgError:  # a ValueError as well
+        raise
+    except ValueError as refused:
+        return start, str(refused)
+    return found.end, "" if found.arrives else UNTOLD

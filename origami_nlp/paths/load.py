@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_until, shown
 from origami_nlp.continuation import ContinuationOptions
@@ -26,12 +27,9 @@ def load_path(
     unload: bool = False,
     full: bool = True,
     yield_torque: float | Sequence[float | None] | Mapping[int, float] | None = None,
-    effort: str = "normal",
-    seed: int = 0,
-    max_starts: int | None = None,
-    starts: int | None = None,
     options: ContinuationOptions | None = None,
     seconds: float | None = None,
+    **search: Any,
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
@@ -59,13 +57,13 @@ def load_path(
         Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
         (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
         Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed).
-    effort, seed, max_starts, starts
-        Of the search for the state, see `find_minima`.
     options
         Of the continuation; lengths are root mean squares over creases.
     seconds
         Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
         limit.
+    search
+        Of the search for the state: effort, seed, max_starts, starts of `find_minima`.
 
     Returns
     -------
@@ -86,9 +84,7 @@ def load_path(
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
     """
-    stated = as_origami(origami)
-    driver = driver_of(stated, load)
-    asked = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
+    driver = driver_of(as_origami(origami), load)
     if options is not None:
         check_type("options", options, ContinuationOptions)
     check_flag("unload", unload)
@@ -97,7 +93,7 @@ def load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     until = check_until(seconds)
-    driver, number, x = driver.begin(state, until, asked, full)
+    driver, number, x = driver.begin(state, until, search, full)
     hinges = None
     if yield_torque is not None:
         x = driver.problem.expand(x)

@@ -7,24 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Cell, Details, Section, Words
+from origami_nlp.display import Section
 from origami_nlp.minima import Part
-from origami_nlp.numerics import INPUT_TOL, SETTLED
+from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
+from origami_nlp.paths.result import Path, Plot, Station, Track, listed
 from origami_nlp.pattern_problem import state_parts
-
-WHY = {"range": "stable; end of the range", r.PITCHFORK: "pitchfork: stable states branch off"}
-"""Why a leg ends, in words, where the name alone does not say it."""
-GOES_ON = (r.YIELDS, r.HOLDS)
-"""Ends of legs at which another one begins."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,7 +107,7 @@ class LoadPath(Path):
     def curves(self) -> list[Track]:
         """The legs: stable states."""
         each = [leg.points for leg in self.legs]
-        return [Track("leg", k, p, ["minimum"] * len(p)) for k, p in enumerate(each, start=1)]
+        return [Track("leg", k, p, "minimum") for k, p in enumerate(each, start=1)]
 
     @property
     def stations(self) -> list[Station]:
@@ -151,79 +146,47 @@ class LoadPath(Path):
             Plot(load, energy, lambda p: (p.t, p.energy)),
         ]
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """The loads of the path, not far beyond its last event."""
+        loads = [t for leg in self.legs for t in leg.t] or [0.0]
+        low, high = min(loads), max(loads)
+        events = [0.0, *(e.t for e in self.events if low <= e.t <= high)]
+        more = 0.3 * (max(events) - min(events)) or high - low
+        low, high = max(low, min(events) - more), min(high, max(events) + more)
+        room = 0.08 * (high - low) or 1.0
+        return low - room, high + room
+
     def report_sections(self) -> Iterator[Section]:
-        """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
-        yield listed(self.verdict, [*self._happenings()])
-        if math.isfinite(self.start_stiffness):
-            yield f"stiffness at the start: {self.start_stiffness:.5g} {self.stiffness_unit}"
-        for number, snap in enumerate(self.snaps, start=1):
-            yield f"after snap {number}, {snap.kind} [deg]: {degrees_listed(snap.after)}"
+        """Return what the state does: legs, snaps, events; and what is not known."""
+        place, unit = self.place.stated, self.stiffness_unit
+        yield listed(self.legs, f"{self.verdict}\nLegs over {place}, stiffness [{unit}]")
+        if self.snaps:
+            yield listed(self.snaps, f"Snaps, over {place}")
+        angles = [p.angle for leg in self.legs for p in leg.points]
+        if len(angles) > 1 and np.ptp(angles) <= INPUT_TOL * self.driver.work.arm:
+            yield "the load does no work"
         if self.plastic_work:
             yield f"plastic work {self.plastic_work:.6g} J"
-        yield from bold(self.alarms)
         if self.driver.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
-        sure = [f"snap {k}: {snap.certificate}" for k, snap in enumerate(self.snaps, start=1)]
-        pieces = [self.events_table()] * bool(self.events)
-        yield Details([*pieces, *sure, Words(f"{self.steps} steps", "dim")], "Events, certificates")
-
-    def _happenings(self) -> Iterator[dict[str, Cell]]:
-        """Return a row for each start, event, snap and end on the path, in its order."""
-        place = replace(self.place, name=self.place.name.partition(" of ")[0])
-        load = replace(self.parameter, name="load").axis
-        form = "z.2f" if place.unit == "rad" else ".6g"
-        at = {(e.t, e.fold_angles): e for e in self.events}
-
-        def row(t: float, said: Cell, *angles: float) -> dict[str, Cell]:
-            where = " to ".join(f"{place.drawn(v):{form}}" for v in angles)
-            return {load: f"{t:.6g}", "what happens": said, place.axis: where}
-
-        for number, leg in enumerate(self.legs):
-            first, last = leg.points[0], leg.points[-1]
-            if first.t == 0.0:
-                said = f"state #{self.state}" if self.state else "the state that was given"
-                yield row(0.0, said + " again, loaded the other way" * bool(number), first.angle)
-            # the event at the end of a leg that snaps or branches is told by its end
-            told = self.snaps[leg.snap - 1].event if leg.snap else None
-            for p in leg.points[1 : -1 if leg.why == r.PITCHFORK else None]:
-                event = at.get((p.t, p.fold_angles))
-                if event and event.id != told:
-                    yield row(p.t, event.words(growing=last.t >= first.t), p.angle)
-            if leg.snap is not None:
-                snap = self.snaps[leg.snap - 1]
-                said = f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}"
-                lost = {"energy\nlost [J]": f"{snap.released:.6g}"}
-                yield row(snap.t, Words(said, "bold"), *snap.angle) | lost | _kept(leg)
-            elif leg.why not in GOES_ON:
-                angles = [p.angle for p in leg.points]
-                idle = len(angles) > 1 and np.ptp(angles) <= INPUT_TOL * self.driver.work.arm
-                said = WHY.get(leg.why, leg.why) + "; the load does no work" * bool(idle)
-                yield row(last.t, said, last.angle) | _kept(leg)
+        yield from self.known_sections()
 
     @property
     def verdict(self) -> str:
         """What the state does under the load, in a sentence."""
-        unit = f" {self.driver.unit}".rstrip()
+        unit, title = f" {self.driver.unit}".rstrip(), self.driver.origami.title
         state = f"state #{self.state}" if self.state else "a state"
-        words = f"{self.driver.origami.title}: {state} under {self.driver.name}"
+        does, at = "does not snap, loaded to", [leg.t[1] for leg in self.legs if leg.why == "range"]
         if self.legs and self.legs[-1].why == r.COLLAPSE:
-            return f"{words} collapses at {self.legs[-1].points[-1].t:.6g}{unit}: hinges yield"
-        if self.snaps:
-            at = " and ".join(f"{snap.t:.6g}" for snap in self.snaps)
-            whole = " in all" * (len(self.snaps) > 1)
-            return f"{words} snaps at {at}{unit}, losing {self.dissipated:.6g} J{whole}"
-        last = [leg for leg in self.legs if leg.why not in GOES_ON]
-        ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in last) or "0"
-        left = ", where it is left" * any(leg.why != "range" for leg in last)
-        return f"{words} does not snap, loaded to {ends}{unit}{left}"
+            does, at = "collapses, as hinges yield, at", [self.legs[-1].t[1]]
+        elif self.snaps:
+            does, at = "snaps at", [snap.t for snap in self.snaps]
+        loads = " and ".join(f"{t:.6g}" for t in at) or "0"
+        lost = f", losing {self.dissipated:.6g} J" * bool(self.snaps)
+        return f"{title}: {state} under {self.driver.name} {does} {loads}{unit}{lost}"
 
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""
         ends = dict.fromkeys(leg.points[k].fold_angles for leg in self.legs for k in (0, -1))
         return state_parts(self.driver.origami, [np.array(phi) for phi in ends])
-
-
-def _kept(leg: r.Leg) -> dict[str, Cell]:
-    """Return by how much the rest angles have moved that a leg leaves behind."""
-    moved = ((i, math.degrees(m)) for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED)
-    return {"rest angles\nmoved [deg]": ", ".join(f"{i}: {m:+.4g}" for i, m in moved)}

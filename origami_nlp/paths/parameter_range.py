@@ -1,6 +1,6 @@
 """What states are followed over: a parameter by name, and its range.
 
-Names: see `numbers`.
+Names: see `pattern.with_numbers`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import math
 import re
 from dataclasses import dataclass
 
-from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import parse_angle
 
@@ -17,7 +16,6 @@ UNITS = {"stiffness": "N m/rad", "preload": "N m", "torque": "N m"}
 UNITS |= dict.fromkeys(("ratio", "x", "y", "loads", "law_scale"), "")
 UNITS |= dict.fromkeys(("alpha", "rest_angles", "sector_angles", "law_shift"), "rad")
 """Of what can be followed over."""
-IN_DEGREES = re.compile(r"_deg(?=\[|$)")
 
 
 @dataclass(frozen=True)
@@ -64,6 +62,16 @@ class ParameterRange:
             return self.high
         return math.exp(s) if self.log else s
 
+    def share_of(self, s: float) -> float:
+        """Return which share of its range the number that is followed is at."""
+        low, high = self.ends
+        return (s - low) / (high - low)
+
+    def at_share(self, share: float) -> float:
+        """Return the parameter at a share of its range, exact at both ends."""
+        low, high = self.ends
+        return self.t_of(high if share == 1.0 else low + share * (high - low))
+
     def drawn(self, t: float) -> float:
         """Return a value as axes have it: angles in degrees."""
         return math.degrees(t) if self.unit == "rad" else t
@@ -73,6 +81,11 @@ class ParameterRange:
         """The name for an axis, with its unit."""
         unit = "deg" if self.unit == "rad" else self.unit
         return f"{self.name} [{unit}]" if unit else self.name
+
+    @property
+    def stated(self) -> str:
+        """The name with the unit of its values."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def shown(self, t: float, digits: int = 6) -> str:
         """Return a value in words, angles in degrees."""
@@ -113,7 +126,7 @@ def parse_parameter_range(text: str) -> ParameterRange:
     if not equals or not colon:
         raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     # with ``_deg`` in the name, as in scene files, numbers are degrees
-    bare = IN_DEGREES.sub("", name.strip())
+    bare = re.sub(r"_deg(?=\[|$)", "", name.strip())
     unit = "deg" * (bare != name.strip())
     a, b = (_number(v.strip().removesuffix(unit) + unit, bare) for v in (low, high))
     kind, *others = {kind_of(part) for part in bare.split("+")}
@@ -140,9 +153,3 @@ def _number(text: str, name: str) -> float:
 def kind_of(name: str) -> str:
     """Return what a number is, such as ``stiffness``, without its place."""
     return re.sub(r".*\.|\[.*", "", name.strip())
-
-
-def meant_by(name: str) -> str:
-    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing."""
-    bare = map(kind_of, name.split("+"))
-    return "".join(did_you_mean(part, UNITS) for part in bare if part not in UNITS)

@@ -5,21 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce
 
-EVENT_WORDS = {
-    "fold": "limit point",
-    "nonsmooth-fold": "limit point at a contact",
-    "branching": "branch point",
-    "closes": "contact closes",
-    "leaves": "contact opens",
-    "breaks-symmetry": "loses stability without its symmetry",
-    "singular": "closure loses rank",
-    "yields": "hinge yields, its rest angle moves",
-    "unloads": "hinge turns back, elastic about its moved rest angle",
-}
-"""Types of events as reports say them."""
+FROM_TO = shown("from, to", spec=".6g", between=" to ")
+MOVES = shown("moves", spec="z.5f", between=" to ")
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
 """Kinds of minima."""
 PITCHFORK = "pitchfork"
@@ -54,23 +45,25 @@ class PathPoint(ShortRepr):
         What a load works on; nan over a parameter.
     """
 
-    t: float
+    t: float = field(metadata=shown())
     fold_angles: tuple[float, ...]
-    energy: float
+    energy: float = field(metadata=shown(unit="J"))
     multipliers: tuple[ContactForce, ...]
-    eigenvalue: float
+    eigenvalue: float = field(metadata=shown(unit="N m/rad"))
     full_space_eigenvalue: float
-    angle: float = math.nan
+    angle: float = field(default=math.nan, metadata=shown())
 
 
-@dataclass(frozen=True)
-class KindRange:
-    """What a branch is over a part of the parameter.
+@dataclass(frozen=True, repr=False)
+class PathBranch(ShortRepr):
+    """States of one kind that are followed one to the next, from one event, or end, to another.
 
     Attributes
     ----------
+    id
+        From 1.
     t
-        Its ends, in the order of the branch.
+        The parameter at its ends, in its order.
     kind
         Of a minimum, or ``saddle``, or the verdict.
     index
@@ -78,64 +71,30 @@ class KindRange:
     certificate
         Of the state in the middle, in words; "" for saddles.
     points
-        Positions of its first and last point in the branch.
+        Its states, in order.
+    ends
+        Why it ends, first and last: ``range``, ``start`` (of a state that was given), or the type of the event, with
+        words.
     """
 
-    t: tuple[float, float]
-    kind: str
+    id: int = field(metadata=shown("branch"))
+    t: tuple[float, float] = field(metadata=FROM_TO)
+    kind: str = field(metadata=shown("kind"))
     index: int
-    certificate: str
-    points: tuple[int, int]
-
-    @property
-    def low(self) -> float:
-        """Smallest t."""
-        return min(self.t)
-
-    @property
-    def high(self) -> float:
-        """Largest t."""
-        return max(self.t)
+    certificate: str = field(metadata=shown("certificate"))
+    points: tuple[PathPoint, ...] = field(repr=False)
+    ends: tuple[str, str] = field(metadata=shown("ends"))
 
     @property
     def stable(self) -> bool:
-        """Whether it is a minimum."""
+        """Whether it is of minima."""
         return self.kind in COUNTED
 
-
-@dataclass(frozen=True, repr=False)
-class PathBranch(ShortRepr):
-    """States that are followed one to the next, through events.
-
-    Attributes
-    ----------
-    id
-        From 1.
-    kind_ranges
-        What it is, part by part.
-    points
-        Its states, in order.
-    ends
-        Why it ends, first and last: ``range``, ``closed curve``, or the type of the event, with words.
-    """
-
-    id: int
-    kind_ranges: tuple[KindRange, ...]
-    points: tuple[PathPoint, ...] = field(repr=False)
-    ends: tuple[str, str]
-
     @property
-    def kinds(self) -> list[str]:
-        """What each point is, see `KindRange.kind`; where ranges meet as the first of them."""
-        most = [(r.kind, r.points[1] + 1) for r in self.kind_ranges]
-        before = [0, *(end for _, end in most)]
-        return [kind for (kind, end), a in zip(most, before, strict=False) for _ in range(a, end)]
-
-    def alarms(self) -> list[str]:
-        """Say where states of index 0 are no minima."""
-        odd = [r for r in self.kind_ranges if not r.stable and r.kind != "saddle"]
-        where = f"branch {self.id}, "
-        return [f"{where}{r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}" for r in odd]
+    def alarm(self) -> str:
+        """What is odd where states of index 0 are no minima; else ""."""
+        odd = not self.stable and self.kind != "saddle"
+        return f"branch {self.id}: {self.kind}: {self.certificate}" if odd else ""
 
 
 @dataclass(frozen=True)
@@ -181,32 +140,19 @@ class PathEvent(ShortRepr):
         Numbers of the branches that meet there.
     """
 
-    id: int
-    type: str
-    t: float
+    id: int = field(metadata=shown("event"))
+    type: str = field(metadata=shown("type"))
+    t: float = field(metadata=shown("at", spec=".12g"))
     fold_angles: tuple[float, ...]
-    contact: str
+    contact: str = field(metadata=shown("contact"))
     residuals: Residuals
-    located: bool
-    note: str
-    branches: tuple[int, ...]
+    located: bool = field(metadata=shown("located"))
+    note: str = field(metadata=shown("note"))
+    branches: tuple[int, ...] = field(metadata=shown("branches"))
 
-    def words(self, *, growing: bool = True) -> str:
-        """Return what happens as the parameter grows, or falls: what closes the one way opens the other.
-
-        Parameters
-        ----------
-        growing
-            Whether it grows.
-
-        Returns
-        -------
-        str
-            With the contact, or the creases.
-        """
-        other = {} if growing else {"closes": "leaves", "leaves": "closes"}
-        kind = other.get(self.type, self.type)
-        return EVENT_WORDS.get(kind, kind) + (f": {self.contact}" if self.contact else "")
+    def words(self) -> str:
+        """Return the type, with the contact or the creases."""
+        return f"{self.type}: {self.contact}" if self.contact else self.type
 
 
 @dataclass(frozen=True)
@@ -228,11 +174,11 @@ class SearchCheck:
         degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
     """
 
-    t: float
-    states: int
-    followed: int
-    missed: int
-    complete: str = ""
+    t: float = field(metadata=shown("searched at", spec=".6g"))
+    states: int = field(metadata=shown("minima found"))
+    followed: int = field(metadata=shown("on branches"))
+    missed: int = field(metadata=shown("of these missed"))
+    complete: str = field(default="", metadata=shown("complete"))
 
 
 @dataclass(frozen=True)
@@ -246,12 +192,15 @@ class Interval:
     minima
         Their number.
     kinds
-        Number of each kind.
+        Of each of them, in order.
     """
 
-    t: tuple[float, float]
-    minima: int
-    kinds: dict[str, int]
+    t: tuple[float, float] = field(metadata=FROM_TO)
+    minima: int = field(metadata=shown("minima"))
+    kinds: tuple[str, ...] = field(metadata=shown("kinds"))
+
+    def __str__(self) -> str:
+        return f"{self.minima} ({FROM_TO['shown'].text(self.t)})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -276,14 +225,14 @@ class Snap(ShortRepr):
         Of the state after.
     """
 
-    event: int
-    t: float
-    type: str
+    event: int = field(metadata=shown("snap at event"))
+    t: float = field(metadata=shown("load", spec=".6g"))
+    type: str = field(metadata=shown("type"))
     before: tuple[float, ...]
     after: tuple[float, ...]
-    angle: tuple[float, float]
-    released: float
-    kind: str
+    angle: tuple[float, float] = field(metadata=MOVES)
+    released: float = field(metadata=shown("energy lost", "J", ".6g"))
+    kind: str = field(metadata=shown("to a state"))
     certificate: str
 
 
@@ -297,6 +246,8 @@ class Leg(ShortRepr):
         1 where the load grows, -1 where it falls.
     points
         States in order.
+    t, angle
+        The load, and what it works on, first and last.
     why
         ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
         ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
@@ -312,7 +263,11 @@ class Leg(ShortRepr):
 
     toward: int
     points: tuple[PathPoint, ...] = field(repr=False)
-    why: str
-    snap: int | None
-    stiffness: Unbounded = math.nan
-    moved: tuple[float, ...] = ()
+    t: tuple[float, float] = field(metadata=shown("load", spec=".6g", between=" to "))
+    angle: tuple[float, float] = field(metadata=MOVES)
+    why: str = field(metadata=shown("ends"))
+    snap: int | None = field(metadata=shown("snap"))
+    stiffness: Unbounded = field(default=math.nan, metadata=shown("stiffness", spec=".5g"))
+    moved: tuple[float, ...] = field(
+        default=(), metadata=shown("rest angles moved", "rad", "+z.3g")
+    )

@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from origami_nlp.display import Cell, Content, Report, Table, Viewable, Words, angle_columns
+from origami_nlp.display import (
+    Content,
+    Report,
+    Section,
+    Viewable,
+    Words,
+    angle_columns,
+    record_row,
+    record_table,
+)
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import COUNTED, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 
 class Track(NamedTuple):
-    """States of a path in order: a branch, or a leg of a load, and what each of them is."""
+    """States of a path in order: a branch, or a leg of a load, and what they are."""
 
     word: str
     id: int
     points: Sequence[PathPoint]
-    kinds: Sequence[str]
+    kind: str
 
 
 class Station(NamedTuple):
@@ -69,12 +78,12 @@ class Path(Report, Viewable):
     steps: int
     interrupted: bool
 
-    PICTURE, SCHEMA = "draw_path", "origami-nlp/path/1"
+    PICTURE, SCHEMA = "draw_path", "origami-nlp/path/2"
 
     @property
     def curves(self) -> list[Track]:
         """What is listed point by point: the branches."""
-        return [Track("branch", b.id, b.points, b.kinds) for b in self.branches]
+        return [Track("branch", b.id, b.points, b.kind) for b in self.branches]
 
     @property
     def stations(self) -> list[Station]:
@@ -86,6 +95,11 @@ class Path(Report, Viewable):
     def panels(self) -> list[Plot]:
         """The axes over which it is drawn."""
         raise NotImplementedError
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The range of the parameter that is drawn."""
+        return self.parameter.low, self.parameter.high
 
     def origami_at(self, t: float) -> Any:
         """Return what is folded at a value of the parameter, without the load of the path.
@@ -123,62 +137,48 @@ class Path(Report, Viewable):
         )
         return replace(near, t=event.t, fold_angles=event.fold_angles)
 
-    def events_table(self) -> Table:
-        """Return one row an event, with twelve digits of what is located."""
-        over, rows = self.parameter, []
-        for e in self.events:
-            t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
-            row = {"event": str(e.id), "type": e.type, over.axis: t, "contact": e.contact}
-            row["branches"] = ", ".join(map(str, e.branches))
-            rows.append({**row, "note": e.note or "not located" * (not e.located)})
-        return listed("Events", rows)
+    def known_sections(self) -> Iterator[Section]:
+        """Return the events, what is not known, and the number of steps: the end of each report."""
+        # digits that are not sure are not printed
+        sure = (e if e.located else replace(e, t=float(f"{e.t:.6g}")) for e in self.events)
+        yield self._listed_over(sure, "Events")
+        yield from (Words(line, "bold") for line in self.alarms)
+        yield Words(f"{self.steps} steps", "dim")
+
+    def _listed_over(self, records: Iterable[Any], title: str) -> Section:
+        """Return records as a table, with values of the parameter as axes have them, angles in degrees."""
+        over, drawn = self.parameter, list[Any]()
+        for one in records:
+            t = tuple(map(over.drawn, one.t)) if isinstance(one.t, tuple) else over.drawn(one.t)
+            drawn.append(replace(one, t=t))
+        return listed(drawn, f"{title} over {over.axis}")
 
     def view_content(self) -> Content:
         """Return curves and marks as plain data, see `view`."""
         return cast(Content, self._from_room("view_path")(self))  # bodies are slow to import
 
-    def _listed(self) -> Iterator[tuple[dict[str, Any], str, PathPoint]]:
+    def _listed(self) -> Iterator[tuple[dict[str, Any], PathPoint]]:
         """Yield every point with the number of its curve and what it is."""
         for curve in self.curves:
-            for p, kind in zip(curve.points, curve.kinds, strict=True):
-                yield {curve.word: curve.id}, kind, p
+            yield from (({curve.word: curve.id, "kind": curve.kind}, p) for p in curve.points)
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        over = self.parameter
-        for number, kind, p in self._listed():
-            row = number | {"parameter": over.name, "t": p.t, "unit": over.unit, "kind": kind}
-            row["stable"] = kind in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
-            row |= {} if math.isnan(p.angle) else {"angle": p.angle}
-            row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
+        over = {"parameter": self.parameter.name, "unit": self.parameter.unit}
+        for known, p in self._listed():
+            stable = known["kind"] in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
+            row = over | known | {"stable": stable} | record_row(p)
             yield row | angle_columns(p.fold_angles)
 
     def to_fold(self) -> dict[str, Any]:
         """Return all points as FOLD data (spec 1.1), one frame each, in order."""
         frames, over = [], self.parameter
-        for number, kind, p in self._listed():
-            ((word, k),) = number.items()
-            title = f"{word} {k}, {over.name} = {p.t:.9g} {over.unit}".rstrip() + f": {kind}"
-            known = number | {"parameter": p.t, "energy": p.energy, "kind": kind}
-            frames.append(state_frame(self.origami_at(p.t), p.fold_angles, title, **known))
+        for known, p in self._listed():
+            title = f"{over.name} = {p.t:.9g}, " + ", ".join(f"{k} {v}" for k, v in known.items())
+            more = known | {"parameter": p.t, "energy": p.energy}
+            frames.append(state_frame(self.origami_at(p.t), p.fold_angles, title, **more))
         return states_to_fold(self.origami_at(over.low), frames)
 
 
-def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
-    """Return rows as a table, columns that are empty in all of them left out; words wrap, numbers stand right."""
-    texts = [{k: v if isinstance(v, str) else v.text for k, v in row.items()} for row in rows]
-    heads = list(dict.fromkeys(k for row in texts for k, text in row.items() if text)) or ["none"]
-    number = [all(row.get(h, "")[:1] in "-+0123456789" for row in texts) for h in heads]
-    cells = [[row.get(h, "") for h in heads] for row in rows]
-    columns = "".join("r" if one else "L" for one in number)
-    return Table(heads, cells, title, columns, framed=False, narrow=True)
-
-
-def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:
-    """Return fold angles in degrees, of many the first."""
-    said = " ".join(f"{math.degrees(v):z.2f}" for v in fold_angles[:most])
-    return said + " ..." * (len(fold_angles) > most)
-
-
-def bold(lines: Sequence[str]) -> Iterator[Words]:
-    """Return lines that stand out."""
-    return (Words(line, "bold") for line in lines)
+def listed(records: Sequence[Any], title: str) -> Section:
+    """Return records as a table, or its title alone."""
+    return record_table(records, title, narrow=True) if records else title

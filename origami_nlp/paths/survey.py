@@ -34,13 +34,10 @@ def follow(
     checks: int = 3,
     full: bool = True,
     prove: bool | float | ProofOptions = False,
-    effort: str = "normal",
-    seed: int = 0,
-    max_starts: int | None = None,
-    starts: int | None = None,
     options: ContinuationOptions | None = None,
     seconds: float | None = None,
     progress: Callable[[str], object] | None = None,
+    **search: Any,
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
 
@@ -54,22 +51,22 @@ def follow(
         A scene or a pattern, as `find_minima` takes it.
     parameter
         The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_parameter_range`.  Of a pattern also
-        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
-        by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
+        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_numbers`), or an option of an
+        example by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
     full
         Whether events at which a symmetric state loses its stability without the symmetry are located.
     prove
         Whether it is proved at each check that no minimum is missing, or the seconds for it, as for `find_minima`.
-    effort, seed, max_starts, starts
-        Of the searches, see `find_minima`.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
         Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
     progress
         Called with what it is at, in words, whenever that changes.
+    search
+        Of the searches: effort, seed, max_starts, starts of `find_minima`.
 
     Returns
     -------
@@ -101,14 +98,15 @@ def follow(
     check_prove("prove", prove)
     check_type("options", options or STEPS, ContinuationOptions)
     asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
-    asked |= {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     what: Any = as_origami(origami)
     whole = origami if isinstance(origami, str) else what
     others = ""
     if isinstance(what, Scene):
         whole = with_generic_symmetry(what, (stated,))
         others = " and ".join(map(str, whole.windings[1:]))
-    found = follow_family(family_of(whole, stated), until=until, progress=progress, **asked)
+    found = follow_family(
+        family_of(whole, stated), until=until, progress=progress, **asked, **search
+    )
     if others:  # each winding is a problem of its own
         more = f"states that wind {others} times round are not followed: state their winding"
         found = replace(found, alarms=(*found.alarms, more))
@@ -231,7 +229,7 @@ class _Survey(FollowedDiagram):
     def pack(self) -> Atlas:
         """Judge what was followed, and pack it."""
         over, family, (branches, events) = self.parameter, self.family, self.records()
-        self.alarms += [line for branch in branches for line in branch.alarms()]
+        self.alarms += [branch.alarm for branch in branches if branch.alarm]
         return Atlas(
             over, branches, events, tuple(dict.fromkeys(self.alarms)), self.steps_made,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),

@@ -19,9 +19,8 @@ from origami_nlp.continuation import Equilibrium, ParameterLine
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.driver import Driver
-from origami_nlp.paths.job import FollowedLoad
+from origami_nlp.paths.job import FollowedLoad, Run
 from origami_nlp.paths.records import COLLAPSE, HOLDS, YIELDS, PathEvent
-from origami_nlp.paths.ways import Run
 from origami_nlp.pattern import read_torque_bounds
 
 MOST_STAGES = 100

@@ -68,10 +68,7 @@ from .hinge_types import (
     well as well,
 )
 from .hinges_stated import (
-    LAW_PLACES as LAW_PLACES,
     Laws as Laws,
-    check_law_place as check_law_place,
-    law_at as law_at,
     law_probes as law_probes,
     laws_to_fold as laws_to_fold,
     most_torque as most_torque,
@@ -101,7 +98,7 @@ from .pattern_file import (
     frame_pattern as frame_pattern,
     read_pattern as read_pattern,
 )
-from .places import with_places as with_places
+from .places import Example as Example, Numbered as Numbered, with_numbers as with_numbers
 from .polygons import Side as Side, side as side, sides_of as sides_of
 from .relations import Relations as Relations
 from .scene import Scene as Scene

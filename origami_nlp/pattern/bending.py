@@ -89,7 +89,7 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat"
     )
     cell, stops = pattern.cell, pattern.limit_angles.T.tolist()
-    return make_sheet(
+    made = make_sheet(
         np.array(corners),
         polygons,
         cell and cell.lattice,
@@ -107,6 +107,7 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         name=pattern.name,
         notes=[*pattern.notes, told],
     )
+    return made.with_contact(pattern.contact)
 
 
 def _where_diagonals_meet(x: np.ndarray) -> np.ndarray:

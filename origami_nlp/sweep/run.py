@@ -6,15 +6,15 @@ completion.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from origami_nlp.arguments import check_callback, check_path, check_type, check_until, check_whole
 from origami_nlp.errors import OrigamiError, OutOfTime, SweepError
@@ -26,8 +26,7 @@ Progress = Callable[[int, int, int], None]
 """Called with scenes finished, scenes in all, and minima found since the run began."""
 
 
-@dataclass(frozen=True)
-class SweepReport:
+class SweepReport(NamedTuple):
     """How a run ended.
 
     Attributes
@@ -36,15 +35,12 @@ class SweepReport:
         Number of scenes of each status.
     ran
         Scenes run now.
-    seconds
-        Of wall time.
     interrupted
         Whether Ctrl-C, or the time limit, ended it.
     """
 
     counts: dict[str, int]
     ran: int
-    seconds: float
     interrupted: bool
 
 
@@ -63,14 +59,11 @@ def run_scene(sweep: Sweep, index: int) -> dict[str, Any]:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         outcome |= {"status": "failed", "reason": reason}
     else:
-        states = [{k: _plain(v) for k, v in row.items() if k != "scene"} for row in found._rows()]
+        # JSON has nothing that is not finite
+        finite = lambda v: None if isinstance(v, float) and not math.isfinite(v) else v  # noqa: E731
+        states = [{k: finite(v) for k, v in row.items() if k != "scene"} for row in found._rows()]
         outcome |= {"starts": found.search.starts, "states": states}
     return outcome | {"seconds": time.perf_counter() - begin}
-
-
-def _plain(value: Any) -> Any:
-    """Return what JSON has: None for what is not finite."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def run_sweep(
@@ -123,13 +116,16 @@ def run_sweep(
     if workers is not None:
         check_whole("workers", workers, 1)
     check_callback("progress", progress)
-    begin, until = time.perf_counter(), check_until(seconds)
+    until = check_until(seconds)
     with Store(folder, sweep) as store:
         pool = worker_pool(workers) if executor is None else executor
+        # as many scenes in flight as the pool says it has workers, or as there are processors
+        own = getattr(pool, "_max_workers", 0) or getattr(pool, "num_workers", 0)
+        flying = int(workers or own or os.cpu_count() or 1)
         before = sum(status != "failed" for status in store.status.values())
         ran, interrupted = 0, True
         try:
-            for ran, states in _walk(store, pool, workers or _size(pool), until):
+            for ran, states in _walk(store, pool, flying, until):
                 if progress:
                     progress(before + ran, sweep.count, states)
             interrupted = False
@@ -143,14 +139,7 @@ def run_sweep(
                 stop_workers(pool)
             elif executor is None:
                 pool.shutdown(wait=False, cancel_futures=True)
-    counts = dict(Counter(store.status.values()))
-    return SweepReport(counts, ran, time.perf_counter() - begin, interrupted)
-
-
-def _size(pool: Any) -> int:
-    """Scenes to keep in flight: the workers of the pool where it says, else as many as there are processors."""
-    count = getattr(pool, "_max_workers", None) or getattr(pool, "num_workers", None)
-    return int(count or os.cpu_count() or 1)
+    return SweepReport(dict(Counter(store.status.values())), ran, interrupted)
 
 
 def _walk(store: Store, pool: Executor, workers: int, until: float) -> Iterator[tuple[int, int]]:
@@ -160,10 +149,8 @@ def _walk(store: Store, pool: Executor, workers: int, until: float) -> Iterator[
     running, ran, states = set[Future[Any]](), 0, 0
     try:
         while True:
-            while len(running) < 2 * workers:  # one in work, one at hand
-                if (index := next(waiting, None)) is None:
-                    break
-                running.add(pool.submit(run_scene, sweep, index))
+            for index in itertools.islice(waiting, 2 * workers - len(running)):
+                running.add(pool.submit(run_scene, sweep, index))  # one in work, one at hand
             if not running:
                 return
             left = None if until == math.inf else max(until - time.monotonic(), 0.0)

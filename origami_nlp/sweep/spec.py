@@ -27,7 +27,7 @@ starts = 0                     # random starts in a row that find nothing new; 0
 seed = 0
 max_starts = 0                 # random starts at most; 0: as the effort says
 full = false                   # also decide each state of a scene without its symmetry
-contact = true                 # of patterns: whether facets must not cross
+contact = "fold-limits"        # in place of the one that is stated
 ```
 
 With ``[pattern]`` in place of ``[scene]`` it is of sheets:
@@ -63,15 +63,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_path, check_whole, shown
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
-from origami_nlp.paths import Example, with_numbers
 from origami_nlp.pattern import (
+    Contact,
+    Example,
     Pattern,
     Scene,
     parse_angle,
@@ -79,26 +80,27 @@ from origami_nlp.pattern import (
     pattern_to_dict,
     read_pattern,
     scene_from_dict,
+    with_numbers,
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import PatternProblem, check_orders
-
-if TYPE_CHECKING:
-    from origami_nlp.minima import MinimaResult
 
 LARGEST = 10_000_000
 """Bytes of a file."""
 MOST_SCENES = 10_000_000
 SPRINGS = ("stiffness", "rest_angle")
 _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
-_MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
+_MODES: dict[str, tuple[str, ...]] = {
+    "mode": ("grid", "list"),
+    "effort": ("quick", "normal", "thorough"),
+}
+_MODES["contact"] = ("", *get_args(Contact))
 _SEARCH: dict[str, Any] = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
-_SEARCH |= {"max_starts": 0, "full": False, "contact": True}
+_SEARCH |= {"max_starts": 0, "full": False, "contact": ""}
 """Of [search], with what holds where they are left out."""
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """One parameter of a sweep.
 
     Attributes
@@ -113,7 +115,7 @@ class Axis:
 
     name: str
     places: tuple[str, ...]
-    values: tuple[float, ...] = field(repr=False)
+    values: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -143,8 +145,8 @@ class Sweep:
             name = max(names, key=names.count)
             raise SweepError(f"two axes are called {name!r}: give each a name")
         if self.search["mode"] == "list" and len({len(a.values) for a in self.axes}) > 1:
-            lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
-            raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
+            many = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
+            raise SweepError(f"axes of mode = 'list' must have equally many values, not {many}")
         if self.count > MOST_SCENES:
             raise SweepError(f"the sweep has {self.count:,} {self.of}s: at most {MOST_SCENES:,}")
 
@@ -176,12 +178,14 @@ class Sweep:
         made, generic = self._made(self.parameters(index)), self.generic
         return made if generic is None else with_symmetry_of(made, generic)  # type: ignore[arg-type]
 
-    def minima(self, made: Scene | Pattern) -> MinimaResult:
+    def minima(self, made: Scene | Pattern) -> Any:
         """Search for the minima of one of its scenes."""
         from origami_nlp.pattern_states import find_states
 
         options = {key: value for key, value in self.search.items() if key != "mode"}
         options |= {key: options[key] or None for key in ("starts", "max_starts")}
+        contact = options.pop("contact")
+        made = made.with_contact(contact) if contact else made
         return find_states(made, escape=False, prove=False, **options)
 
     @cached_property
@@ -205,8 +209,7 @@ class Sweep:
         """
         values, each = {}, self.search["mode"] == "grid"
         for k, axis in enumerate(self.axes):
-            a = axis.values[0]
-            b = next((v for v in axis.values if v != a), a)
+            a, b = min(axis.values), max(axis.values)
             # no rational relation between axes
             values[axis.name] = a + math.exp(-1.0 - k * each) * (b - a)
         with contextlib.suppress(OrigamiError):
@@ -225,9 +228,8 @@ class Sweep:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
-        whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
-        return dict(json.loads(json.dumps(whole)))
+        rest = {"axes": self.axes, "search": self.search, "shape": self.shape}
+        return dict(json.loads(json.dumps({self.of: self.base, **rest})))
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -288,14 +290,10 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    # a scene states its contact itself
-    own = [key for key in _SEARCH if key != "contact" or of == "pattern"]
-    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
+    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": _SEARCH}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
-    if not isinstance(data.get(of), Mapping):
-        raise SweepError("a sweep needs [scene] or [pattern]: example = ..., or file = ...")
-    if not data.get("axes"):
-        raise SweepError("a sweep needs [[axes]] with set and values (or from, to, count)")
+    if not isinstance(data.get(of), Mapping) or not data.get("axes"):
+        raise SweepError("a sweep needs [scene] or [pattern], and [[axes]] with set and values")
     axes = tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(data["axes"], 1))
     base = _read(of, data[of], Path(folder or ""))
     sweep = Sweep(of, base, axes, _checked(_SEARCH | data.get("search", {})))
@@ -337,20 +335,17 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
-    spaced = [key for key in ("from", "to", "count") if key in stated]
-    if ("values" in stated) == bool(spaced):
+    spaced = {"from", "to", "count"} & {*stated}
+    if len(spaced) not in (0, 3) or ("values" in stated) == bool(spaced):
         raise SweepError(f"{where} needs values, or from, to and count")
     if spaced:
-        if missing := {"from", "to", "count"} - {*spaced}:
-            raise SweepError(f"{where}.{min(missing)} is missing: give from, to and count")
         low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
         count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
         if scale == "log" and min(low, high) <= 0:
             raise SweepError(f"{where}: a log scale needs from and to above 0")
         numbers = (np.geomspace if scale == "log" else np.linspace)(low, high, count).tolist()
     else:
-        values = stated["values"]
-        if not isinstance(values, list) or not values:
+        if not (isinstance(values := stated["values"], list) and values):
             raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
         numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
     return Axis(name, tuple(places), tuple(numbers))
@@ -362,8 +357,8 @@ def _checked(search: dict[str, Any]) -> dict[str, Any]:
         name, words = f"search.{key}", _MODES.get(key, ())
         if words and value not in words:
             raise SweepError(f"{name} = {shown(value)} must be {' or '.join(words)}")
-        if not words and isinstance(_SEARCH[key], bool):
-            check_flag(name, value)
-        elif not words:
-            check_whole(name, value, 0)
+        if not words:
+            check_flag(name, value) if isinstance(_SEARCH[key], bool) else check_whole(
+                name, value, 0
+            )
     return search

@@ -16,11 +16,18 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import check_path
+import numpy as np
+
+from origami_nlp.arguments import check_path, require
+from origami_nlp.display import KINDS
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 SCHEMA = "origami-nlp/sweep/5"
 FILE, LOCK = "sweep.jsonl", "sweep.lock"
@@ -55,12 +62,14 @@ class Store:
                 if not whole.endswith(b"\n"):
                     path.write_bytes(whole[: whole.rfind(b"\n") + 1])
             self._file = open(path, "a", encoding="utf-8")
-        except sqlite3.OperationalError as error:
-            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
-                raise SweepError(f"{where} cannot be used: {error}") from None
-            raise SweepError(f"{where} is in use: another process runs a sweep there") from None
         except (OSError, sqlite3.Error) as error:
-            raise SweepError(f"{where} cannot be used: {error}") from None
+            busy = getattr(error, "sqlite_errorcode", 0) == sqlite3.SQLITE_BUSY
+            why = (
+                "is in use: another process runs a sweep there"
+                if busy
+                else f"cannot be used: {error}"
+            )
+            raise SweepError(f"{where} {why}") from None
         self.status: dict[int, str] = {}
         if not path.stat().st_size:
             self._write(stated)
@@ -101,11 +110,10 @@ def read_store(folder: str | Path) -> tuple[dict[str, Any], dict[int, dict[str, 
         head, *lines = path.read_text("utf-8").splitlines(keepends=True)
         rows = [json.loads(line) for line in lines if line.endswith("\n")]
         stated = json.loads(head)
-        if not isinstance(stated["schema"], str) or not stated["shape"]:
-            raise ValueError("its first line is no sweep")
         kinds = {"scene": int, "status": str, "reason": str, "parameters": dict, "states": list}
-        if not all(type(row[key]) is kind for row in rows for key, kind in kinds.items()):
-            raise ValueError("a line of it is no scene")
+        good = all(type(row[key]) is kind for row in rows for key, kind in kinds.items())
+        if not (good and isinstance(stated["schema"], str) and stated["shape"]):
+            raise ValueError("a line of it is no sweep, or no scene")
         found = {row["scene"]: row for row in rows}
         return stated, {k: found[k] for k in sorted(found) if 0 <= k < math.prod(stated["shape"])}
 
@@ -119,3 +127,86 @@ def readable(folder: str | Path) -> Iterator[None]:
         if isinstance(error, OrigamiError):
             raise
         raise SweepError(f"{str(folder)!r} is no store of a sweep: {error}") from None
+
+
+def load_states(folder: str | Path) -> pandas.DataFrame:
+    """Read the states of a sweep (extra ``sweep``).
+
+    Parameters
+    ----------
+    folder
+        Of `run_sweep`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a minimum: the parameters of its scene, energy_J, kind, residuals, phi_1_rad .. phi_N_rad.
+
+    Raises
+    ------
+    SweepError
+        If pandas is not installed, or the folder holds no sweep.
+    """
+    pandas = require("pandas", "reading a sweep", "sweep", SweepError)
+    with readable(folder):
+        found = read_store(folder)[1].items()
+        each = ((k, row, state) for k, row in found for state in row["states"])
+        states = [{"scene": k, **row["parameters"], **state} for k, row, state in each]
+        return pandas.DataFrame(states).astype({"energy_J": float, "closure": float})
+
+
+def load_sweep(folder: str | Path) -> xarray.Dataset:
+    """Read counts and lowest energies of a sweep, labelled (extra ``sweep``).
+
+    Parameters
+    ----------
+    folder
+        Of `run_sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``count_shallow``, ``count_stable`` and
+        ``count_unstable`` (NaN where that is not known of each), ``lowest_energy``, ``status``; a scene that is not
+        done has count -1 and energy NaN.
+
+    Raises
+    ------
+    SweepError
+        If xarray is not installed, or the folder holds no sweep.
+    """
+    xarray = require("xarray", "reading a sweep", "sweep", SweepError)
+    sweep, rows = read_store(folder)
+    with readable(folder):
+        shape, axes = tuple(sweep["shape"]), sweep["axes"]
+        names = ["count", "count_shallow", *(f"count_{kind.replace('-', '_')}" for kind in KINDS)]
+        data: dict[str, Any] = {name: np.full(shape, -1) for name in names}
+        unknown = ("count_stable", "count_unstable", "lowest_energy")
+        data |= {name: np.full(shape, np.nan) for name in unknown}
+        data["status"] = np.full(shape, "waiting", dtype="<U8")
+        for k, row in rows.items():
+            data["status"].flat[k] = row["status"]
+            if row["status"] == "done":
+                for name, value in _counted(row["states"]).items():
+                    data[name].flat[k] = value
+        along = ["scene"] * len(axes) if sweep["search"]["mode"] == "list" else [a[0] for a in axes]
+        coords = {a[0]: (d, np.array(a[2], float)) for a, d in zip(axes, along, strict=True)}
+        whole = {key: (along[: len(shape)], v) for key, v in data.items()}
+        return xarray.Dataset(whole, coords=coords, attrs={"source": "origami_nlp sweep"})
+
+
+def _counted(states: list[dict[str, Any]]) -> dict[str, float]:
+    """Return what is said of the states of one scene."""
+    kinds, stable = [s["kind"] for s in states], [s["stable"] for s in states]
+    settled = (s["shallow"] or s["full_space"] in ("stable", "unstable") for s in states)
+    known = 1.0 if all(settled) else np.nan
+    found = {f"count_{kind.replace('-', '_')}": kinds.count(kind) for kind in KINDS}
+    if sum(found.values()) < len(kinds):
+        raise ValueError(f"kinds {kinds}")
+    return found | {
+        "count": len(states),
+        "count_shallow": sum(s["shallow"] is True for s in states),
+        "count_stable": known * stable.count(True),
+        "count_unstable": known * stable.count(False),
+        "lowest_energy": min((float(s["energy_J"]) for s in states), default=np.nan),
+    }

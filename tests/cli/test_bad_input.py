@@ -127,8 +127,8 @@ minima scene.toml -o a.png -o a.png: is the file of -o too
 minima scene.toml -o -.png: only text goes to standard output
 load scene.toml: --crease K is missing
 load scene.toml --crease 1 --fixed-facet 2: --fixed-facet = 2
-load miura:2x2 --pull 1: --pull = '1' must be 2 numbers
-load miura:2x2 --force 1,2,3,nan: must be 4 numbers
+load miura:2x2 --pull 1: '--pull' requires 2
+load miura:3x3 --force 15 2 3 nan: three numbers
 boundary scene.toml --event ratio=1:2 --parameter ratio=1:2: name two parameters
 minima waterbomb:2x2 --certificate a: the list of a pattern is not proved
 minima metasheet:3x3 --effort quick --certificate a: --contact fold-limits

@@ -37,13 +37,6 @@ def test_a_design_is_written_and_read_again(tmp_path):
     assert read_scene(scene).degree == 4 and found["scene"]
 
 
-def test_normalized_sector_angles_are_told(tmp_path):
-    targets = tmp_path / "t.toml"
-    targets.write_text(TWO.replace("103.0]", "102.98]\nnormalize = true"))
-    _, _, err = run("design", targets)
-    assert "note: sector angles normalized to a sum of 360 deg: each by +0.005 deg\n" in err
-
-
 VERTEX = "[vertex]\nsector_angles_deg = [99.4, 83.5, 74.1, 103.0]\n"
 A = '[[states]]\nname = "a"\nfold_angles_deg = [27.27, 101.001, -27.353, 104.22]\n'
 B = '[[states]]\nname = "b"\nfold_angles_deg = [99.626, 153.537, -100.033, 169.255]\n'

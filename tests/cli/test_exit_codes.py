@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from origami_nlp import design, examples, format_scene
-from origami_nlp.cli import Ended, Group, writes
+from origami_nlp.cli import Ended
 from origami_nlp.cli.timed import Clock
 from tests.cli.test_design import TWO
 from tests.cli.test_seconds import slow_vertex
@@ -180,14 +180,6 @@ def test_a_library_that_swallows_the_end_of_the_time_is_ended_all_the_same(then)
     assert clock.run(command) is None and clock.late
 
 
-def test_an_error_before_the_time_is_over_is_an_error():
-    def command():
-        raise AttributeError("wrong")
-
-    with pytest.raises(AttributeError):
-        Clock(60.0).run(command)
-
-
 def test_codes_are_those_of_the_page():
     """`docs/how_to/troubleshooting.md` lists them."""
     from tests.documentation.pages import ROOT
@@ -196,20 +188,3 @@ def test_codes_are_those_of_the_page():
     listed = page.split("| exit code |")[1].split("\n\n")[0]
     shown = {int(row.split("|")[1]) for row in listed.splitlines()[2:]}
     assert shown == {int(code) for code in Ended}
-
-
-def test_a_group_of_others_ends_alike():
-    @writes()
-    def wait() -> None:
-        """Wait."""
-        time.sleep(60)
-
-    @writes()
-    def no() -> int:
-        """Say no."""
-        return Ended.NO
-
-    group = Group("two")
-    group.add(wait, no)
-    assert run("wait", "--seconds", 0.01, commands=group).code == Ended.OUT_OF_TIME
-    assert run("no", commands=group).code == Ended.NO

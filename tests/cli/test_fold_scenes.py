@@ -121,20 +121,3 @@ def test_examples_are_written_as_asked(tmp_path):
         done = run("example", name)
         assert done.code == 0 and done.out.startswith("# ") and not done.err
         assert o.parse_scene(done.out) == examples.by_name(name)
-
-
-def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
-    picture = tmp_path / "a.png"
-    assert run("inspect", sheet, "-o", picture).code == 0
-    assert picture.stat().st_size > 10_000
-    (frame,) = parse_fold(sheet.read_bytes())
-    from origami_nlp.display import draw_pattern
-
-    figure = draw_pattern(frame)
-    (axes,) = figure.axes
-    written = {text.get_text() for text in axes.texts}
-    assert written == {str(v.number) for v in fold_vertices(frame)[0]}
-    dashes = {str(lines.get_linestyle()) for lines in axes.collections}
-    assert (
-        len(dashes) == len(axes.collections) == 3
-    )  # borders, mountains, valleys: distinguished without colour

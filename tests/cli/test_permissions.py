@@ -58,12 +58,6 @@ def test_a_file_that_may_not_be_written_is_refused_before_the_work(here, monkeyp
     is_refused(words, words[-1])
 
 
-def test_a_file_that_may_not_be_written_any_more(here, monkeypatch):
-    monkeypatch.setattr("origami_nlp.io.writing._replace", refuse)
-    is_refused(("example", "miura", "-o", "late.toml"), "late.toml")
-    assert not (here / "late.toml").exists()
-
-
 def test_a_folder_that_may_not_be_looked_into(here, monkeypatch):
     stat = os.stat
 

@@ -3,7 +3,6 @@
 import itertools
 import json
 import time
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,7 +20,6 @@ from origami_nlp import (
 )
 from origami_nlp.cli import Ended
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.proof import ReducedVertex, prove
 from tests.command_line import run, scene_file
 
 
@@ -42,13 +40,6 @@ def test_a_search_keeps_to_its_limit_of_wall_time_and_says_so():
     result = find_minima(slow_vertex(), seconds=0.5)
     assert time.process_time() - begin < 60  # unbounded: minutes
     assert result.search.stopped_by == "time" and result.flags.search_stopped_early
-
-
-def test_what_is_not_judged_in_the_full_space_is_undecided_by_name():
-    scene = examples.degree6("pi/4", ratio=0.01)
-    result = find_minima(scene, full=True, seconds=0.0)
-    assert result.search.stopped_by == "time"
-    assert all(m.full_space.verdict == "undecided" for m in result.minima)
 
 
 COMMANDS = {
@@ -112,17 +103,6 @@ def test_nothing_followed_is_no_count_of_nothing():
     assert all(not line.intervals for line in found.lines)
     atlas = follow(examples.degree6("5*pi/12"), "ratio=1:10", seconds=0.0)
     assert atlas.interrupted and not atlas.branches and "time limit" in str(atlas)
-
-
-def test_a_proof_inside_a_time_limit_keeps_to_wall_time(monkeypatch):
-    """Processor time that stands still, as where another process has the processor, ends nothing; the clock does."""
-    worked = time.process_time
-    monkeypatch.setattr(time, "process_time", lambda: 0.0)
-    model = ReducedVertex(replace(examples.degree6("pi/4", contact="fold-limits"), symmetry="none"))
-    begin = worked()
-    proof = prove(model, until=time.monotonic() + 0.3)
-    assert not proof.finished and proof.undecided
-    assert worked() - begin < 30.0
 
 
 def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):

@@ -51,12 +51,6 @@ def test_closed_standard_output_is_named_and_no_file_gets_what_is_printed(tmp_pa
     assert out.read_text().startswith("{")
 
 
-@POSIX
-def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
-    done = shell("nlp inspect nowhere.toml 2>&-")
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
-
-
 @pytest.mark.parametrize("asked", [{}, {"OPENBLAS_NUM_THREADS": "2"}])
 def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked, monkeypatch):
     for name in THREADS:

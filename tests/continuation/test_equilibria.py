@@ -85,27 +85,6 @@ def test_points_are_equilibria_and_their_tangents_are_differences(torques):
         assert verdict == ("saddle" if frame.index else "minimum")
 
 
-def test_the_drift_of_the_kkt_system_is_its_difference():
-    rng = np.random.default_rng(0)
-    model = pose(examples.degree6("5*pi/12", 1.0))
-    x, lam = rng.uniform(-2, 2, 4), rng.normal(size=2)
-    contacts = (model.limits[1],)
-    nu, change = np.append(lam, rng.normal(size=2)), rng.normal(size=model.parameters.vector.size)
-
-    def values(h):
-        p = model.parameters
-        v = p.vector + h * change
-        cut = np.cumsum([len(p.sectors), model.size, model.size])
-        moved = model.varied(type(p)(*np.split(v, cut)))
-        local = moved.local(x)
-        slopes = np.vstack([local.closure_jacobian, local.openings(contacts)[1]])
-        return local.gradient - slopes.T @ nu, np.append(local.closure, local.openings(contacts)[0])
-
-    drift = model.drift(x, nu, contacts, change)
-    for got, up, down in zip(drift, values(1e-6), values(-1e-6), strict=True):
-        assert got == pytest.approx((up - down) / 2e-6, abs=1e-7)
-
-
 def test_the_moment_of_a_contact_ends_where_a_closed_form_says():
     """At (-a, b, b, -a), cos a = 1/3, b = pi - a, the motion d phi_2 = -d phi_1 keeps the contact without load."""
     web, states = over_ratio("pi/3", 0.01, 100)

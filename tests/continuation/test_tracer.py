@@ -112,18 +112,6 @@ def test_an_end_is_bisected_to_the_shortest_step(low: float, together: int) -> N
     )  # one way round, once signs are counted
 
 
-def test_an_end_that_is_met_is_exact_and_the_first_of_two_counts() -> None:
-    def meet(a: At, b: At) -> At:
-        sign = math.copysign(1.0, b.x[1])
-        return replace(b, x=np.array([0.2, sign * math.sqrt(0.96)]))
-
-    met = replace(leaves(0.2), why="met", meet=meet)
-    found = traced(CIRCLE, (1.0, 0.0), STEPS, leaves(0.1), met)
-    assert found.start == found.end == "met"
-    assert found.states[-1, 0] == 0.2
-    assert found.s[-1] == pytest.approx(math.acos(0.2), abs=1e-6)
-
-
 def test_a_curve_over_state_and_load_goes_around_its_turning_points() -> None:
     found = traced(SNAP, (0.0, 0.0), replace(STEPS, far=3.0), leaves(-1.0))
     load = found.states[:, 1]
@@ -131,13 +119,6 @@ def test_a_curve_over_state_and_load_goes_around_its_turning_points() -> None:
     assert load[inner].max() == pytest.approx(2 / math.sqrt(27), abs=1e-3)
     assert load[inner].min() == pytest.approx(-2 / math.sqrt(27), abs=1e-3)
     assert {found.start, found.end} == {"left", "longer than 3 rad"}
-
-
-def test_limits_of_length_and_of_points_end_a_curve() -> None:
-    short = traced(CIRCLE, (1.0, 0.0), replace(STEPS, far=1.0))
-    assert short.end == "longer than 1 rad" and 1.0 <= short.s[-1] < 1.0 + STEPS.longest
-    few = traced(CIRCLE, (1.0, 0.0), replace(STEPS, most=7))
-    assert few.end == few.start == "more than 7 points" and len(few.frames) == 15
 
 
 def test_a_cusp_ends_a_curve_as_singular() -> None:

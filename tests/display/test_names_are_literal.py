@@ -3,7 +3,7 @@
 import io
 from dataclasses import replace
 
-from origami_nlp import Vertex, analyze_mobility, examples
+from origami_nlp import Scene, Vertex, analyze_mobility, examples
 from origami_nlp.display import draw_states
 from origami_nlp.inverse_design import Target, Targets, design, draw_design
 from origami_nlp.pattern_states import draw_mobility
@@ -29,5 +29,6 @@ def test_of_sheets():
 def test_of_designs():
     vertex = Vertex.from_degrees((70, 80, 120, 90))
     flat = Target(name=NAME, fold_angles=(0.0,) * 4)
-    found = design(Targets(vertex, (flat,), name=NAME), effort="quick")
+    scene = Scene(vertex, (1,) * 4, (0,) * 4, "none", name=NAME)
+    found = design(Targets(scene, (flat,)), effort="quick")
     assert drawn(draw_design(found)).count(r"\frac{") >= 3

@@ -117,7 +117,7 @@ def test_a_file_of_targets_is_a_question(tmp_path):
     file = tmp_path / "targets.toml"
     file.write_text(EXAMPLES["switch"].split("[[barriers]]")[0])
     found, asked = o.design(file), read_targets(file)
-    assert asked.name and found.scene.name == asked.name
+    assert asked.origami.name and found.scene.name == asked.origami.name
     with pytest.raises(o.OrigamiError, match=r"nowhere\.toml"):
         o.design("nowhere.toml")
     with pytest.raises(o.OrigamiError, match="targets"):

@@ -96,7 +96,7 @@ def test_creases_of_one_letter_may_have_equal_springs():
         )
 
 
-@pytest.mark.parametrize("wrong", [{"symmetry": "D1"}, {"preload": True}, {"equal": (1, 2)}])
+@pytest.mark.parametrize("wrong", [{"preload": True}, {"equal": (1, 2)}])
 def test_what_is_not_for_a_pattern_is_named(wrong):
     pattern = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4))
     with pytest.raises(OptionError, match=f"^{next(iter(wrong))} = "):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def three_states(rng):
         admissible = residual < 1e-9 and not o.State(model, x).refused
         if admissible and 0.3 < np.abs(x).max() < 2.8 and min(far, default=1) > 0.35:
             states.append(Target(f"s{len(states)}", tuple(model.expand(x))))
-    return Targets(vertex, tuple(states), contact="fold-limits")
+    return Targets(o.Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits"), tuple(states))
 
 
 def drawn(rng):
@@ -47,7 +48,7 @@ def drawn(rng):
             limits[c, (side + 1) // 2] = one[c]
             limits = tuple(map(tuple, limits.tolist()))
             states = asked.states[:2]
-            return Targets(asked.origami, states, contact="fold-limits", limits=limits)
+            return Targets(replace(asked.origami, limits=limits), states)
 
 
 def held(scene, targets):
@@ -55,7 +56,7 @@ def held(scene, targets):
     _, found = scan_four.minima(
         scene.energy,
         np.array(scene.vertex.sector_angles),
-        np.array(targets.limits).T,
+        np.array(targets.origami.limits).T,
         scene.contact,
         6_001,
     )
@@ -72,7 +73,7 @@ def test_states_on_stops_are_held(count):
         if found.scene is None:
             continue
         made += 1
-        assert found.verified and found.scene.limits == targets.limits
+        assert found.verified and found.scene.limits == targets.origami.limits
         assert held(found.scene, targets).all()
         first = next(
             m

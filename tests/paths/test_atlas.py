@@ -17,7 +17,6 @@ from origami_nlp.paths import (
     follow_family,
     parse_parameter_range,
 )
-from origami_nlp.pattern_problem import pose
 
 TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
 
@@ -72,12 +71,8 @@ def test_states_at_a_value_are_polished_and_judged(atlas):
             energy = atlas.family.scene_of(t).energy(state.fold_angles)
             assert state.energy == pytest.approx(energy, rel=1e-12)
     pinned = next(s for s in atlas.at(2.0) if s.kind == "contact-pinned")
-    near = [
-        min(np.abs(np.subtract(p.fold_angles, pinned.fold_angles)).max() for p in b.points)
-        for b in atlas.branches
-    ]
-    ranges = [r for r in atlas.branches[int(np.argmin(near))].kind_ranges if r.stable]
-    assert (min(r.low for r in ranges), max(r.high for r in ranges)) == (atlas.events[0].t, 100.0)
+    ends = [t for b in atlas.branches if b.kind == "contact-pinned" for t in b.t]
+    assert (min(ends), max(ends)) == (atlas.events[0].t, 100.0) and pinned.energy > 0
     with pytest.raises(OptionError, match="outside"):
         atlas.at(101.0)
 
@@ -143,30 +138,6 @@ def test_a_symmetry_that_is_lost_is_located():
         assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
 
 
-@pytest.mark.slow  # a survey of several seconds
-def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
-    """The multipliers of the limits are unique, so that the Hessian across the symmetry is one number of the state."""
-    atlas = follow(o.examples.degree8("pi/6"), "torque[1]=-0.6:-0.4", checks=2)
-    for t in (-0.55, -0.45):
-        scene = atlas.family.scene_of(t)
-        found = [judge_in_full_space(scene, x) for x in minima(atlas.at(t))]
-        assert found and all(v.verdict == "stable" for v in found)
-        assert all(min(v.breaking_eigenvalues) == pytest.approx(0.025) for v in found)
-    assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_a_pitchfork_is_passed_and_its_branches_are_followed():
-    """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
-    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full=False)
-    (event,) = [e for e in atlas.events if e.type == "branching"]
-    assert len(event.branches) == 4
-    before = minima(atlas.at(event.t - 0.05))
-    pair = [b for b in before if abs(b[0] - b[2]) > 0.1]
-    assert len(pair) == 2 and pair[0] == pytest.approx(np.roll(pair[1], 2), abs=1e-9)
-    assert compare(atlas, event.t - 0.05) == compare(atlas, event.t + 0.05) == 0
-
-
 def test_families_that_jump_are_refused():
     parameter = parse_parameter_range("alpha=50deg:70deg")
     with pytest.raises(OptionError, match="two families"):
@@ -188,24 +159,6 @@ def test_ranges_that_are_none_are_refused(text):
 def test_parameters_that_a_scene_has_not_are_refused(name):
     with pytest.raises(OptionError, match="no number"):
         family_of(o.examples.degree6("pi/4"), parse_parameter_range(f"{name}=0.1:1"))
-
-
-def test_lines_are_the_scenes_of_a_family():
-    for text in ("ratio=0.1:10", "preload[2]=-0.2:0.1", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
-                 "creases.rest_angles[2]+creases.rest_angles[1]=-1:1", "vertex.sector_angles[1]=0.7:0.8"):  # fmt: skip
-        parameter = parse_parameter_range(text)
-        family = family_of(o.examples.degree6("pi/4", 2.0), parameter)
-        for share in (0.0, 0.3, 1.0):
-            s = (1 - share) * parameter.s_of(parameter.low) + share * parameter.s_of(parameter.high)
-            model, problem = pose(family.scene_of(parameter.t_of(s))), family.line.at(s)
-            p, q, unit = model.parameters, problem.parameters, model.scale / problem.scale
-            assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
-            wound = q.rest + q.load / q.stiffness  # preload is a load on the line
-            assert np.append(p.sectors, p.rest) == pytest.approx(
-                np.append(q.sectors, wound), abs=1e-13
-            )
-            at = np.array(family.scene_of(parameter.t_of(s)).vertex.sector_angles)
-            assert problem.parameters.sectors == pytest.approx(at, abs=1e-13)
 
 
 @pytest.mark.slow
@@ -259,5 +212,4 @@ def test_an_atlas_has_a_row_a_point():
         energy = o.examples.degree6("pi/4", ratio=row["t"]).energy(phi)  # from the angles alone
         assert np.isclose(row["energy_J"], energy, rtol=1e-12, atol=0)
         (branch,) = (b for b in atlas.branches if b.id == row["branch"])
-        (kind,) = {r.kind for r in branch.kind_ranges if r.low < row["t"] < r.high} or {row["kind"]}
-        assert row["kind"] == kind
+        assert row["kind"] == branch.kind

@@ -1,36 +1,10 @@
 """Events of load paths that steps could pass: creases kept fully folded, facets that meet between two steps."""
 
-import math
-
 import numpy as np
 import pytest
 
 from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve
-from origami_nlp.pattern_problem import PatternProblem, Torque
-from tests.paths.test_loads_in_contact import Turned, by_small_steps, loaded, sprung
-from tests.patterns import downhill
-
-
-@pytest.mark.slow
-def test_facets_that_touch_keep_a_crease_shut():
-    """It shares what it bears with a corner on a facet, in more than one way, and stays fully folded to rounding."""
-    path = loaded(41, 8.0)
-    beyond = [p for p in path.legs[-1].points if p.t > path.snaps[0].t + 0.01]
-    opened = [math.pi - abs(p.fold_angles[13]) for p in beyond]
-    assert len(beyond) > 5 and min(opened) >= 0.0 and max(opened) < 1e-13 and not path.alarms
-    shared = [m for m in path.branches[-1].points[-1].multipliers if m.text.endswith("crease 14")]
-    assert len(shared) == 1 and not shared[0].unique
-    assert by_small_steps(41, 8.0) == pytest.approx(np.array(beyond[-1].fold_angles), abs=1e-9)
-
-
-def test_a_descent_beyond_a_fold_in_contact_does_not_creep():
-    """Where curvature along a contact is all but zero, and that across it is not."""
-    pattern, _, crease = sprung(6)
-    (snap,) = loaded(6, 4.1).snaps
-    for share in (1e-5, 1e-4):
-        under = PatternProblem(pattern).under(Torque(pattern, (crease,)), snap.t * (1 + share))
-        end = downhill(under, np.array(snap.before))
-        assert end.arrived and end.steps < 30
+from tests.paths.test_loads_in_contact import Turned, loaded
 
 
 def test_facets_that_meet_between_two_steps_are_not_passed():

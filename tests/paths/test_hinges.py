@@ -11,12 +11,9 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.errors import OptionError
-from origami_nlp.paths.family import same_problem
-from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
-from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.pattern import HingeLaw, double_well, linear, with_numbers
 from tests.computed_once import thinned
 from tests.independent import scan_four
-from tests.parameter_lines import line_between
 
 SECTORS = (70, 80, 120, 90)
 ALL = np.tile([[-math.pi], [math.pi]], 4)
@@ -57,31 +54,10 @@ def test_a_shifted_linear_law_is_a_rest_angle(limits):
     )
 
 
-def test_kkt_systems_change_with_laws_as_differences_say():
-    law = double_well(1.0, 1.0)
-    limits = ((-2.5, 2.5),) * 4
-    first = random_scene((law, None, law.times(2.0), None), limits=limits)
-    second = replace(first, laws=(law.times(3.0).shifted(0.3), None, law, None))
-    vertex, two = pose(first), pose(second)
-    sheet = o.examples.pattern("miura", 2, 2).with_limits((-2.5, 2.5)).with_laws((law, None) * 2)
-    other = with_places(sheet, {"law_scale[1]": 2.0, "law_shift[3]": -0.2, "stiffness[2]": 3.0})
-    for a, b in (
-        (vertex, vertex.varied(two.parameters.scaled(two.scale / vertex.scale))),
-        (PatternProblem(sheet), PatternProblem(other).numbered_as(PatternProblem(sheet))),
-    ):
-        line = line_between(a, b, 2.0)
-        # both ends of the line are the problems themselves
-        x = np.array([0.3, 0.7, -0.4, 0.2])
-        assert line.at(2.0).parameters.torque(x) == pytest.approx(b.parameters.torque(x), rel=1e-12)
-        torque, _ = line.at(0.7).drift(x, np.zeros(a.equation_count), (), line.slope(0.7))
-        ends = [line.at(0.7 + h).parameters.torque(x) for h in (-1e-6, 1e-6)]
-        assert torque == pytest.approx((ends[1] - ends[0]) / 2e-6, abs=1e-7)
-
-
 def test_a_crease_that_is_named_twice_is_changed_once():
     law = double_well(1.0, 1.0)
     sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
-    made = with_places(sheet, {"creases.law_scale": 3.0, "law_scale[1]": 3.0, "law_shift[1]": 0.0})
+    made = with_numbers(sheet, {"creases.law_scale": 3.0, "law_scale[1]": 3.0, "law_shift[1]": 0.0})
     x = np.array([0.3, 0.7, -0.4, 0.2])
     assert made.energy(x) == pytest.approx(3.0 * sheet.energy(x))
 
@@ -135,18 +111,6 @@ def test_stops_along_a_path_and_what_is_refused():
             o.follow(random_scene((law, None, None, None)), what)
     with pytest.raises(OptionError, match="hinge law"):
         o.follow(o.examples.pattern("miura", 2, 2).with_laws(law), "stiffness[1]=1:2")
-
-
-def test_laws_of_other_shape_are_no_one_problem():
-    """Their functions are shared, their pieces are not: over a number within a law nothing is followed."""
-    law = double_well(1.0, 0.8)
-    stated = (
-        random_scene(laws=(each,) * 4) for each in (law, law.times(2.0), double_well(1.0, 0.9))
-    )
-    one, twice, other = ((each, pose(each)) for each in stated)
-    assert len(same_problem([one, twice], "law_scale")) == 2
-    with pytest.raises(OptionError, match="hinge laws change"):
-        same_problem([one, other], "laws")
 
 
 # ---------------------------------------------------------------- under a load

@@ -5,8 +5,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.continuation import BifurcationDiagram
 from origami_nlp.errors import Interrupted
-from origami_nlp.paths import boundary, followed, survey
-from tests.command_line import run
+from origami_nlp.paths import boundary, followed
 
 SCENE = o.examples.degree6("pi/3", ratio=0.3)
 
@@ -85,28 +84,6 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
         else:
             o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.2, unload=True)
     found = stop.value.result
-    kinds = {r.kind for b in found.branches for r in b.kind_ranges}
+    kinds = {b.kind for b in found.branches}
     assert found.interrupted and "undecided" in kinds and "interrupted" in str(found)
     assert what == "follow" or found.legs
-
-
-def test_the_terminal_says_what_was_found_and_ends_with_130(after, tmp_path):
-    after(2)
-    out = tmp_path / "path.json"
-    options = "--parameter", "creases.rest_angles[1]=-2:0.5", "--checks", "1"
-    done = run("follow", "miura:2x2", *options, "-o", out)
-    assert done.code == 130 and o.read_result(out).branches
-
-
-def test_no_branch_is_begun_when_the_time_is_over(monkeypatch):
-    """A sheet may have many minima, and each takes long to begin with."""
-    begun, add = [], survey._Survey.add
-
-    def late(self, *given, **options):
-        begun.append(given)
-        self.interrupted = True
-        return add(self, *given, **options)
-
-    monkeypatch.setattr(survey._Survey, "add", late)
-    atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
-    assert len(begun) == 1 and atlas.interrupted

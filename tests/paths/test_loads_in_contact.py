@@ -243,17 +243,6 @@ def test_springs_take_up_the_work_of_the_load_in_contact():
         assert gained == pytest.approx(work_of(part), rel=1e-2, abs=1e-4)
 
 
-@pytest.mark.slow
-def test_a_contact_leaves_under_a_load_that_grows():
-    path = loaded(39, 7.5)
-    (event,) = path.events
-    assert event.type == "leaves" and event.located and not path.alarms
-    points = path.branches[0].points
-    before, after = [p for p in points if p.t < event.t], [p for p in points if p.t > event.t]
-    assert all(len(pushes(p)) == 1 and pushes(p)[0].multiplier > 0 for p in before)
-    assert after and not any(pushes(p) for p in after)
-
-
 def test_a_snap_lands_in_contact_and_goes_on():
     pattern, start, _ = sprung(3)
     assert [c.type for c in start.contacts] == ["vertex-face"]
@@ -262,7 +251,7 @@ def test_a_snap_lands_in_contact_and_goes_on():
     assert snap.type == "fold" and snap.kind == "contact-pinned" and not path.alarms
     assert [leg.why for leg in path.legs] == ["snap", "range"]
     rigid = Turned(pattern)
-    beyond = [p for p in path.branches[1].points if p.t > snap.t]
+    beyond = [p for p in path.legs[1].points if p.t > snap.t]
     assert beyond and all(pushes(p)[0].multiplier > 0 for p in beyond)
     for phi in (snap.before, snap.after, beyond[-1].fold_angles):
         assert not rigid.crossing(np.array(phi))

@@ -1,6 +1,5 @@
 """Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
 
-import json
 import math
 
 import numpy as np
@@ -13,7 +12,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
-from tests.command_line import run
 from tests.patterns import miura, miura_angles, wheel
 
 GAMMA, REST = math.radians(70), 1.2
@@ -112,12 +110,11 @@ def test_miura_follows_its_law_to_its_snap(size):
     )  # fmt: skip
     assert snap.t == pytest.approx(law(pattern, size, i, float(end.x))[1], rel=1e-12)
     assert snap.type == "fold" and snap.released > 0
-    beyond = [x for b in path.branches for x in b.kind_ranges if x.kind == "saddle"]
-    assert beyond and all(
-        law(pattern, size, i, abs(p.fold_angles[i]))[1] == pytest.approx(p.t, abs=1e-9 * size**2)
-        for b in path.branches for r in b.kind_ranges if r.kind == "saddle" and b.id == 1
-        for p in b.points[r.points[0] : r.points[1] + 1]
-    )  # fmt: skip
+    beyond = [b for b in path.branches if b.kind == "saddle"]
+    for p in beyond[0].points if beyond else pytest.fail("no saddle was followed"):
+        assert law(pattern, size, i, abs(p.fold_angles[i]))[1] == pytest.approx(
+            p.t, abs=1e-9 * size**2
+        )
 
 
 def test_a_path_stops_where_the_sheet_is_flat():
@@ -219,24 +216,6 @@ def test_vertices_that_lie_on_each_other_have_no_pull():
         o.load_path(pattern, Pull(pattern, (one, two)), state=start)
 
 
-def test_a_load_that_does_no_work_is_told():
-    """A force across the only way in which its corner can move, found by differences along the law of the sheet."""
-    pattern, start = folded_miura(3, 3)
-    z = abs(start.phi[np.abs(pattern.directions[:, 1]) > 1e-9][0])
-    axes, sides = [], np.eye(3)
-    for side in sides:
-        seen = DeadForce(pattern, 15, tuple(side), 5)
-        ends = [seen.conjugate(miura_angles(pattern, 3, z + h, GAMMA)) for h in (1e-5, -1e-5)]
-        axes.append(float(ends[0] - ends[1]) / 2e-5)
-    across = np.cross(axes, [1.0, 2.0, 3.0])
-    words = "does no work"
-    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
-    end = path.legs[0].points[-1].fold_angles
-    assert words in str(path) and np.abs(end - start.phi).max() < 1e-8
-    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
-    assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
-
-
 def test_a_pull_knows_no_facet_that_is_held():
     """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
     pattern, start = folded_miura(4, 4)
@@ -288,24 +267,3 @@ def test_a_path_comes_back_from_its_file(tmp_path):
 
 
 # ---------------------------------------------------------------- sheets without vertices
-
-
-def strip(many: int) -> dict:
-    """A strip with so many creases across, mountains and valleys in turn."""
-    n = many + 2
-    return {
-        "vertices_coords": [[i, j] for j in (0, 1) for i in range(n)],
-        "edges_vertices": [[i, i + n] for i in range(n)]
-        + [[i + j, i + j + 1] for j in (0, n) for i in range(n - 1)],
-        "edges_assignment": ["B", *("MV" * many)[:many], "B", *"B" * (2 * n - 2)],
-    }
-
-
-@pytest.mark.parametrize("many", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_a_strip_is_loaded_and_its_states_are_found(tmp_path, many):
-    path = tmp_path / "strip.fold"
-    path.write_text(json.dumps(strip(many)))
-    done = run("load", path, "--crease", "1")
-    assert done.code == 0, done.err
-    done = run("inspect", path)
-    assert done.code == 0 and f"{many} degree" in done.out

@@ -84,24 +84,6 @@ def test_work_of_the_load_is_stored_or_taken():
     assert path.dissipated == path.plastic_work
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_a_pattern_yields_as_its_vertex():
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, [1.1, 0.7, -0.9, 0.8])
-    path = o.load_path(sheet, 1, to=1.5, yield_torque={2: 1.0, 3: 1.2}, unload=True)
-    angle = np.array(path.legs[0].points[0].fold_angles)
-    again = o.load_path(sheet, 1, to=1.5, unload=True)
-    assert [e.type for e in path.events].count("yields") >= 1
-    assert not np.allclose(path.legs[-1].points[-1].fold_angles, angle, atol=1e-3)
-    assert np.allclose(again.legs[-1].points[-1].fold_angles, angle, atol=1e-9)
-
-
-def test_torques_far_beyond_the_path_change_nothing():
-    scene = random_scene(seed=4)
-    plain, path = (o.load_path(scene, 1, to=2.0, **y) for y in ({}, {"yield_torque": 50.0}))
-    ends = [p.legs[0].points[-1].fold_angles for p in (plain, path)]
-    assert np.allclose(*ends, atol=1e-9) and not path.plastic_work and not any(path.legs[0].moved)
-
-
 def test_what_is_refused():
     scene = random_scene(seed=4)
     with pytest.raises(OptionError, match=r"bears .* at load 0 already"):

@@ -17,9 +17,8 @@ import pytest
 
 from origami_nlp import OrigamiError, examples, find_minima
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
-from origami_nlp.sweep.load import load_sweep
 from origami_nlp.sweep.run import run_scene
-from origami_nlp.sweep.store import read_store
+from origami_nlp.sweep.store import load_sweep, read_store
 from tests.command_line import run
 from tests.computed_once import panel_result
 
@@ -152,21 +151,6 @@ def test_stable_states_are_counted_as_results_say(tmp_path, full):
     else:
         assert here["count_stable"] == len(alone.stable)
         assert here["count_unstable"] == len(alone.minima) - len(alone.stable)
-
-
-@pytest.mark.slow
-def test_a_sweep_is_its_sheets(stores):
-    finished = stores(PATTERNS)
-    states, counts = load_states(finished), load_sweep(finished)
-    assert counts["count"].shape == (2, 2)
-    for index in (0, 3):
-        rest, k = (0.8, 0.001) if not index else (1.2, 0.1)
-        sheet = examples.pattern("degree6").with_springs(0.01, rest)
-        sheet = sheet.with_springs(np.where(sheet.signs < 0, k, 0.01).tolist())
-        alone = find_minima(sheet, starts=2)
-        here = states[states.scene == index]
-        assert np.array_equal(here["energy_J"], [m.energy for m in alone.minima])
-        assert list(here["dimension"]) == [m.dof for m in alone.minima]
 
 
 def test_labelled_arrays(finished):

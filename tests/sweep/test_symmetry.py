@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.paths import family_of, parse_parameter_range, with_generic_symmetry
+from origami_nlp.paths import parse_parameter_range
 from origami_nlp.pattern import with_symmetry_of
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 from tests.sweep.test_sweep import Inline
@@ -96,21 +96,3 @@ def test_angles_are_varied_in_the_unit_that_is_named():
         parse_parameter_range("sector_angles_deg[1]+sector_angles_deg[2]=30:60deg").high
         == plain.high
     )
-
-
-def test_a_parameter_is_the_same_in_paths_and_sweeps():
-    """One crease where no symmetry is stated, else its images too: the scenes of a path are those of a sweep."""
-    sweep = parse_sweep(tomllib.loads(THROUGH))
-    table = sweep.base["creases"]
-    equal = o.Scene(o.Vertex(("pi/3",) * 6), table["stiffness"], table["rest_angles"])
-    over = parse_parameter_range("rest_angles[1]=-1.7:-1.3")
-    kept = with_generic_symmetry(equal, (over,))
-    assert (equal.group.name, kept.group.name) == ("D2", "D1")
-    for index, value in enumerate((-1.7, -1.5, -1.3)):
-        one, same = family_of(kept, over).scene_of(value), sweep.scene(index)
-        assert one.rest_angles == same.rest_angles
-        assert set(one.group.elements) == set(same.group.elements)
-    stated = o.Scene(equal.vertex, equal.stiffness, equal.rest_angles, "D2")
-    assert with_generic_symmetry(stated, (over,)) is stated
-    moved = family_of(stated, over).scene_of(-1.7).rest_angles
-    assert [k + 1 for k in range(6) if moved[k] == -1.7] == [1, 4]
