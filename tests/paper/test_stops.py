@@ -60,16 +60,6 @@ def test_critical_points_count_the_euler_characteristic():
     assert held and all(min(p.multipliers) > 0 for p in held)
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_a_space_may_be_empty(tmp_path):
-    scene = replace(o.examples.degree6("pi/4"), limits=(0.3, 1.7))
-    space = o.find_space(scene, rings=33)
-    assert space.components == () and space.euler_characteristic == 0
-    assert "0 component(s)" in str(space)
-    space.draw(tmp_path / "empty.png")
-    assert o.find_critical_points(scene).morse_sum == 0
-
-
 def test_where_only_a_book_is_left_the_space_is_a_handle():
     """All creases valley: the paper folds in half alone, and the stops that hold it are its contacts."""
     space = o.find_space(replace(o.examples.degree6("pi/4"), limits=(0.0, 2.0)), rings=16)

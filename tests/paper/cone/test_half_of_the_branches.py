@@ -37,16 +37,3 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
             )
             assert reported.admissible, reported.reason
             assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "degree, end, more, share",
-    [(8, "contact", 20, 0.0453), (14, "contract", 142, 0.0143), (12, "contract", None, 0)],
-)
-def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, share):
-    """The table of docs/validation/cones.md: 200 x 200 points, r from 0.01 to 100."""
-    plane = maps(degree, end)
-    half = plane.cone.branches // 2
-    assert set(np.unique(plane.total).tolist()) == {half, more or half}
-    assert (plane.total != half).mean() == pytest.approx(share, abs=5e-5)
