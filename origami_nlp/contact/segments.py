@@ -101,7 +101,7 @@ class SegmentReport(Report):
     states: tuple[tuple[int, ...], ...]
     segments: tuple[Segment, ...]
 
-    PICTURE, SCHEMA, READS, ROWS = "draw_segments", "origami-nlp/contacts/4", False, "segments"
+    SCHEMA, READS, ROWS = "origami-nlp/contacts/4", False, "segments"
 
     @property
     def length(self) -> float:
