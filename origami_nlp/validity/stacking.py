@@ -50,8 +50,8 @@ def _check_stated(
     said = {unknown: (value, one) for one in stated for unknown, value in stack.states(one)}
     known = [*stack.known()]
     for unknown, value, crease in known:
-        was, by = said.get(unknown, (value, ()))
-        if was != value:
+        if unknown in said and said[unknown][0] != value:
+            by = said[unknown][1]
             edge = int(stack.crossings.pattern.numbers[crease])
             kinds = ("valley", "mountain")[:: 1 if stack.phi[crease] > 0 else -1]
             text = f"edge {edge} is folded as a {kinds[0]}, but {shown[by]} says {kinds[1]}"
@@ -59,8 +59,8 @@ def _check_stated(
             f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=at)
     f.settle(CREASES, f"{len(known)} creases folded flat")
     # what contradicts each other, or what is known besides, is left out and the others looked at again
-    left = [*stated] if isinstance(orders, Orders) else []
-    while core := conflict(stack, orders, left)[0]:
+    left = [*stated]
+    while isinstance(orders, Orders) and (core := conflict(stack, orders, left)[0]):
         left = [one for one in left if one not in core]
         words = " and ".join(str(shown[one]) for one in core)
         faces = sorted({face for one in core for face in shown[one][:2]})

@@ -1,4 +1,4 @@
-"""How many branches of a cone hold a minimum: half, where and under which rule; every exception by brute force."""
+"""Where branches of a cone end: at contact, or at a cut where nothing touches."""
 
 import math
 
@@ -8,16 +8,6 @@ import pytest
 from origami_nlp.paper import cone
 from origami_nlp.pattern import Vertex
 from origami_nlp.pattern_problem import check_admissible
-
-
-def maps(degree, end, size=200):
-    low = -cone.Cone(degree).steep_end
-    cells = (np.arange(size) + 0.5) / size
-    elevations = low + (math.pi / 2 - low) * cells
-    return cone.count_map(cone.Cone(degree, end=end), 10 ** (4 * cells - 2), elevations)
-
-
-# ---------------------------------------------------------------- ends where nothing touches
 
 
 @pytest.mark.parametrize("degree", [6, 8, 10, 12])
