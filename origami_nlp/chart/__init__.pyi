@@ -1,6 +1,5 @@
 from .axes import (
     UNIT as UNIT,
-    area_axes as area_axes,
     area_legend as area_legend,
     draw_area as draw_area,
     draw_curves as draw_curves,

@@ -16,7 +16,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from origami_nlp.chart.boundary import Boundary
-from origami_nlp.chart.chart import Chart, chart_limits, chart_of
+from origami_nlp.chart.chart import chart_limits, chart_of
 from origami_nlp.chart.energy_map import Landscape
 from origami_nlp.display import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 from origami_nlp.numerics import NONZERO
@@ -88,28 +88,15 @@ def draw_area(
             look: dict[str, Any] = {"color": INK, "linewidth": line}
             look = HANDLE | {"lw": 1.9 * line} if one.thin else look
             axes.plot(*one.points.T, **{"zorder": 3} | look, clip_on=False, snap=False)
-    area_axes(axes, whole)
-    return image
-
-
-def area_axes(axes: Any, chart: Chart) -> None:
-    """Set limits, ticks and names of the coordinates of a chart.
-
-    Parameters
-    ----------
-    axes
-        Of matplotlib.
-    chart
-        Of two coordinates.
-    """
     for spine in axes.spines.values():
         spine.set(color="#8A8A8A", linewidth=0.6, zorder=0)
-    x0, x1, y0, y1 = chart_limits(chart)
+    x0, x1, y0, y1 = chart_limits(whole)
     axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_xlabel(coordinate_label(chart.coordinates[0]))
     axes.set_ylabel(coordinate_label(chart.coordinates[1]), labelpad=0)
     angle_ticks(axes.xaxis, x0, x1)
     angle_ticks(axes.yaxis, y0, y1)
+    return image
 
 
 def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) -> list[Any]:

@@ -153,9 +153,8 @@ def _nothing(model: Problem, status: Status, reason: str, opens: str = "") -> Lo
 
 def _cap(model: Problem) -> float:
     p = model.parameters
-    if p.laws is None:
-        return 2 * math.pi * model.scale * float(p.stiffness.sum())
-    return most_torque((model.scale * p.stiffness).tolist(), p.laws.made(model.scale))
+    laws = p.laws.made(model.scale) if p.laws else ()
+    return most_torque((model.scale * p.stiffness).tolist(), laws)
 
 
 def under_load(model: Problem, load: np.ndarray) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.contact.margin import LoadMargin, load_margin
-from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments, find_segments
+from origami_nlp.contact.segments import STIFFNESS, SegmentReport, find_segments
 from origami_nlp.contact.symmetry_blocks import breaking_stiffnesses
 from origami_nlp.display import (
     Content,
@@ -173,7 +173,7 @@ class ContactReport(Report, Viewable):
             yield from self.segments.report_sections()
 
     def view_content(self) -> Content:
-        """Return states with their contacts and the contact boundaries as plain data, see `view`."""
+        """Return states with their contacts as plain data, see `view`."""
         content = self.result.view_content()
         stations = list(content.stations)
         for s in self.states:
@@ -181,9 +181,7 @@ class ContactReport(Report, Viewable):
             lines = (f"load margin: {name}: {value}" for name, value in said)
             old = stations[s.number - 1]
             stations[s.number - 1] = replace(old, lines=(*old.lines, *lines))
-        pieces = tuple(self.report_sections())
-        content = replace(content, stations=tuple(stations), pieces=pieces)
-        return content if self.segments is None else add_segments(content, self.segments)
+        return replace(content, stations=tuple(stations), pieces=tuple(self.report_sections()))
 
 
 def find_contacts(
@@ -242,11 +240,8 @@ def _pinned(result: MinimaResult, number: int) -> PinnedState:
     breaking: tuple[float, ...] = ()
     if isinstance(result.origami, Pattern):
         judged = classify(at)
-        contacts, stiffness, alone = (
-            judged.contacts,
-            judged.eigenvalues,
-            judged.local_dimension == 0,
-        )
+        contacts, stiffness = judged.contacts, judged.eigenvalues
+        alone = judged.local_dimension == 0
     else:
         contacts, stiffness = minimum.contacts, minimum.hessian_eigenvalues
         alone = minimum.local_dimension == 0

@@ -16,14 +16,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.continuation import BoundaryCurve, follow_boundary
-from origami_nlp.display import Content, Poser, Report, Section, record_table, shown
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.io import OneBased, ShortRepr
 from origami_nlp.kkt import Stratum
 from origami_nlp.minima import MinimaResult
@@ -101,7 +100,7 @@ class SegmentReport(Report):
     states: tuple[tuple[int, ...], ...]
     segments: tuple[Segment, ...]
 
-    PICTURE, SCHEMA, READS, ROWS = "draw_segments", "origami-nlp/contacts/4", False, "segments"
+    SCHEMA, READS, ROWS = "origami-nlp/contacts/4", False, "segments"
 
     @property
     def length(self) -> float:
@@ -250,28 +249,3 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
         lost = (there <= 0) & (here > 0)
         part = min([part, *(here[lost] / (here[lost] - there[lost]))])
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
-
-
-def add_segments(content: Content, segments: SegmentReport) -> Content:
-    """Add the contact boundaries that were followed to the minima of a scene.
-
-    Parameters
-    ----------
-    content
-        Of `MinimaResult.view_content`.
-    segments
-        Of `find_segments`.
-
-    Returns
-    -------
-    Content
-        With a track for each boundary.
-    """
-    poser, tracks = Poser(segments.scene), []
-    for curve, numbers in zip(segments.curves, segments.states, strict=True):
-        title = (
-            f"contact boundary through {', '.join(map(str, numbers))}: {'; '.join(curve.contacts)}"
-        )
-        along: Any = {"parameter": curve.s, "label": "arclength s [rad]"}
-        tracks.append(poser.track(title, curve.fold_angles, curve.energy, **along))
-    return replace(content, tracks=(*content.tracks, *tracks))

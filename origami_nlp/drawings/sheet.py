@@ -146,16 +146,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
     error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
     used, edges = np.unique(noded.edges[keep], return_inverse=True)
     drawn = noded.points[used], edges.reshape(-1, 2), tuple(letters[keep].tolist())
-    return Drawing(
-        *drawn,
-        noded.angles[keep],
-        error,
-        rung,
-        lines.title,
-        lines.length_unit,
-        lines.y_down,
-        tuple(notes),
-    )
+    first = *drawn, noded.angles[keep], error, rung
+    return Drawing(*first, lines.title, lines.length_unit, lines.y_down, tuple(notes))
 
 
 def _loose(noded: Noded, found: Planar) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from xml.etree.ElementTree import Element
 
 SIMULATOR_COLOURS = {
@@ -33,22 +34,18 @@ def canonical_colour(text: str) -> str:
     >>> canonical_colour("RGB(255, 0,0)"), canonical_colour("#0f0"), canonical_colour("url(#a)")
     ('#ff0000', '#00ff00', 'url(#a)')
     """
-    colour = re.sub(r"\s+", "", text).lower()
-    if re.fullmatch(r"#[0-9a-f]{3,4}", colour):
-        return "#" + "".join(2 * c for c in colour[1:4])
-    if re.fullmatch(r"#[0-9a-f]{6}([0-9a-f]{2})?", colour):
-        return colour[:7]
-    if found := re.fullmatch(r"rgba?\(([\d.]+%?),([\d.]+%?),([\d.]+%?)(,[\d.]+%?)?\)", colour):
-        try:
-            parts = [
-                float(p[:-1]) * 2.55 if p.endswith("%") else float(p) for p in found.groups()[:3]
-            ]
-        except ValueError:
-            return colour
-        return "#" + "".join(f"{min(round(p), 255):02x}" for p in parts)
-    from matplotlib.colors import CSS4_COLORS
+    from matplotlib.colors import CSS4_COLORS, to_hex
 
-    return str(CSS4_COLORS.get(colour, colour)).lower()
+    colour = re.sub(r"\s+", "", text).lower()
+    with suppress(ValueError):
+        if found := re.fullmatch(r"rgba?\(([\d.]+%?),([\d.]+%?),([\d.]+%?)(,[\d.]+%?)?\)", colour):
+            shares = (
+                float(p.replace("%", "")) * (2.55 if "%" in p else 1) for p in found.groups()[:3]
+            )
+            return "#" + "".join(f"{min(round(p), 255):02x}" for p in shares)
+        if colour.startswith("#") or colour in CSS4_COLORS:
+            return to_hex(colour)
+    return colour
 
 
 def declarations(text: str) -> Declarations:

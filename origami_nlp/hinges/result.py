@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.display import Report, Section, Table, Words
+from origami_nlp.display import Report, Section, Words, record_table, shown
 from origami_nlp.pattern import LawFit
 
 MUCH = 0.2
@@ -37,13 +37,13 @@ class HingeRest:
         Between which angles the loop's half-gap holds the hinge without load [rad]; equal without a loop.
     """
 
-    angle: float
-    known: float
-    kind: str
-    energy: float
-    barrier: float
-    stiffness: float
-    held: tuple[float, float]
+    angle: float = field(metadata=shown("phi", "rad", ".4g"))
+    known: float = field(metadata=shown("+-", "rad", ".2g"))
+    kind: str = field(metadata=shown("rest"))
+    energy: float = field(metadata=shown("energy", "J", ".4g"))
+    barrier: float = field(metadata=shown("to leave", "J", ".4g"))
+    stiffness: float = field(metadata=shown("stiffness", "N m/rad", ".4g"))
+    held: tuple[float, float] = field(metadata=shown("held by the loop", "rad", ".4g"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,8 +109,7 @@ class MeasuredHinge(LawFit, Report):
         """What the law is, in a sentence."""
         wells = sum(rest.kind == "well" for rest in self.rests)
         many = {0: "no well", 1: "one well"}.get(wells, f"{wells} wells")
-        falls = f"stiffness {'' if self.falling else 'nowhere '}negative for certain"
-        falls += " on a part" if self.falling else ""
+        falls = f"stiffness negative for certain {'on a part' if self.falling else 'nowhere'}"
         low, high = np.degrees([self.law.breaks[0], self.law.breaks[-1]])
         return f"{self.name}: known from {low:.4g} to {high:.4g} degrees, {many}, {falls}"
 
@@ -118,38 +117,18 @@ class MeasuredHinge(LawFit, Report):
         """Return the verdict, the wells, how well the law is known, and the notes."""
         yield Words(self.verdict, "bold")
         yield "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0)."
-        heads = "rest,phi [deg],energy [J],to leave [J],stiffness [N m/rad],held by the loop [deg]"
-        rows = []
-        for rest in self.rests:
-            known = f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""
-            numbers = (f"{v:.4g}" for v in (rest.energy, rest.barrier, rest.stiffness))
-            low, high = np.degrees(rest.held)
-            held = f"{low:.4g} to {high:.4g}" if high > low else ""
-            rows.append((rest.kind, f"{math.degrees(rest.angle):.4g}{known}", *numbers, held))
-        if rows:
-            yield Table(heads.split(","), rows, framed=False)
-        yield from self._known()
-        yield from (Words(f"Note: {note}", "bold") for note in self.notes)
-
-    def _known(self) -> Iterator[str]:
-        pieces, torque = len(self.law.coefficients), np.abs(self.torque).max()
-        how = f"{pieces} interval{'s'[: pieces > 1]} of a cubic spline by BIC"
-        rms = f"residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most"
-        yield f"{len(self.data.angle):,} rows, {how}: {rms}; torque to {torque:.4g} N m"
-        if np.isfinite(self.band).all():
-            band = (
-                f"half-width {np.median(self.band):.2g} N m (median), {self.band.max():.2g} at most"
-            )
-            noise = f"noise {self.noise:.3g} N m a row, correlation {self.correlation:.2f}"
-            yield f"95 % band of the law, at each angle: {band}; {noise}"
-        shown = [f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling]
-        where = f"{', '.join(shown)} degrees" if shown else "nowhere"
+        if self.rests:
+            yield record_table(self.rests, "")
+        names = "residual_rms residual_max noise correlation loop_area loop_error".split()
+        known = [(name.replace("_", " "), getattr(self, name)) for name in names]
+        said = ", ".join(f"{name} {v:.3g}" for name, v in known if math.isfinite(v))
+        pieces = len(self.law.coefficients)
+        yield f"{len(self.data.angle):,} rows, {pieces} cubics by BIC [N m, J]: {said}"
+        spans = [f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling]
+        where = f"{', '.join(spans)} degrees" if spans else "nowhere"
         open_ = f"its sign is not known on {round(100 * self.unsure, 2):g} % of the range"
         yield f"Stiffness negative for certain: {where}; {open_}"
-        if not math.isnan(self.loop_area):
-            loop = f"{self.loop_area:.4g} +-{self.loop_error:.2g} J a cycle"
-            gap = f"half-gap {np.abs(self.gap).max():.3g} N m at most"
-            yield f"Loop of loading and unloading: {loop}, {gap}; the law is the mean of both"
+        yield from (Words(f"Note: {note}", "bold") for note in self.notes)
 
     def _rows(self) -> Iterator[dict[str, object]]:
         columns = {

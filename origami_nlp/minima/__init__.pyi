@@ -43,7 +43,7 @@ from .noise import (
     displacements as displacements,
     with_survival as with_survival,
 )
-from .picture import draw_minima as draw_minima
+from .picture import draw_minima as draw_minima, paint_landscape as paint_landscape
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,

@@ -7,14 +7,17 @@ object interface only: no global state, any backend.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.chart import (
     UNIT,
+    Boundary,
     Landscape,
     Place,
     area_legend,
@@ -25,6 +28,7 @@ from origami_nlp.chart import (
     outline_of,
 )
 from origami_nlp.display import (
+    METASTABLE,
     MOST_DRAWN,
     WARNING,
     WIDTH,
@@ -44,6 +48,11 @@ STAR, FONT = 16.0, 11.0
 """Size of a star, and of the letters of its number [points]."""
 SIDE = 5.0
 """Of a panel of the landscape [in]."""
+STRETCHES: tuple[dict[str, Any], ...] = (
+    {"color": METASTABLE, "lw": 4, "solid_capstyle": "butt"},
+    {"color": METASTABLE, "marker": "o", "ms": 1.6 * STAR, "mfc": "none", "mew": 2.6, "ls": ""},
+)
+"""Looks of metastable stretches, and of those that share one point of the chart."""
 
 
 def draw_minima(
@@ -117,7 +126,8 @@ def draw_minima(
         )
         parts = figure.subfigures(1 + (not beside), 1 + beside, **shares)
     if chart is not None and panels:
-        handles = _draw_landscape(parts[0], chart, panels, drawn, [m.energy for m in shown])
+        outline = outline_of(chart.scene) if chart.kind == "area" else None
+        handles = paint_landscape(parts[0], chart, drawn, [m.energy for m in shown], outline)
     if shown:
         handles += lay_out_states(
             parts[1],
@@ -141,31 +151,57 @@ def _panels(chart: Landscape | None) -> list[list[int]]:
     return [every] if chart.kind == "curve" or chart.one_plane else [[k] for k in every]
 
 
-def _draw_landscape(
+def paint_landscape(
     figure: FigureBase,
     chart: Landscape,
-    panels: list[list[int]],
-    drawn: list[Drawn],
-    energies: list[float],
+    drawn: Sequence[Drawn],
+    energies: Sequence[float],
+    outline: Boundary | None,
+    stretches: Sequence[Any] = (),
 ) -> list[Any]:
-    """Draw a landscape with the minima marked, and return entries of the legend."""
-    handles, area = list[Any](marks_legend(drawn, STAR)), chart.kind == "area"
-    outline = outline_of(chart.scene) if area else None
-    norm: Any = norm_of(chart, energies) if area else None
+    """Paint a landscape, or the curves of one degree of freedom, with the minima marked.
+
+    Parameters
+    ----------
+    figure
+        Where to: one panel, or one a branch of the chart.
+    chart
+        Of a scene.
+    drawn, energies
+        Minima that have a place on it, and energies that the colours must reach.
+    outline
+        Of `outline_of`.
+    stretches
+        Metastable ones: `branch`, `points` and whether they are `hidden` in one point.
+
+    Returns
+    -------
+    list of matplotlib.artist.Artist
+        Entries of the legend.
+    """
+    panels, handles = _panels(chart), list[Any](marks_legend(list(drawn), STAR))
     every: Any = figure.subplots(1, len(panels), squeeze=False)[0]
+    if chart.kind == "curve":
+        curves = draw_curves(every[0], chart)
+        # numbers keep off the curves
+        points = [p for line in curves for p in line.get_xydata()[::2]]
+        clear = [((float(x), float(y)), 2.0) for x, y in points]
+        mark_minima(every[0], drawn, panels[0], STAR, FONT, clear)
+        return curves + handles
+    norm = norm_of(chart, energies)
     for axes, panel in zip(every, panels, strict=True):
-        if not area:
-            curves = draw_curves(axes, chart)
-            # numbers keep off the curves
-            points = [p for line in curves for p in line.get_xydata()[::2]]
-            clear = [((float(x), float(y)), 2.0) for x, y in points]
-            mark_minima(axes, drawn, panel, STAR, FONT, clear)
-            return curves + handles
-        image = draw_area(axes, chart, panel, norm, outline)
-        mark_minima(axes, drawn, panel, STAR, FONT)
+        image, rings = draw_area(axes, chart, panel, norm, outline), []
+        for part in (part for part in stretches if part.branch in panel):
+            at = part.points[:1] if part.hidden else part.points
+            axes.plot(*at.T, **STRETCHES[part.hidden], zorder=4, clip_on=False)
+            rings += [(tuple(at[0].tolist()), 1.6 * STAR + 4)] if part.hidden else []
+        mark_minima(axes, drawn, panel, STAR, FONT, rings)
         if len(panels) > 1:
             axes.set_title(chart.branches[panel[0]].name.replace("-", "−"), fontsize=10)
     figure.colorbar(image, ax=every, shrink=0.9, label=f"energy U [{UNIT}]")
+    for hidden in sorted({part.hidden for part in stretches}):
+        label = f"metastable{', on one point' * hidden}"
+        handles.append(Line2D([], [], **STRETCHES[hidden], label=label))
     return handles + area_legend(chart, outline)
 
 

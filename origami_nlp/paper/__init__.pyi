@@ -11,7 +11,6 @@ from .landscape import (
 from .landscape_figure import draw_landscape as draw_landscape
 from .morse import CriticalPoints as CriticalPoints
 from .space import Space as Space, find_space as find_space
-from .space_figure import draw_space as draw_space
 from .transitions import (
     Transition as Transition,
     Transitions as Transitions,

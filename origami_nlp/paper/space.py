@@ -139,7 +139,7 @@ class Space(Report):
     euler_characteristic: int
     mesh: Cells = field(metadata={"plain": False})
 
-    PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
+    SCHEMA, READS = "origami-nlp/landscape/2", False
     ROWS = "components"
 
     @property

@@ -8,18 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.numerics import INSIDE
-from origami_nlp.pattern_problem import (
-    TRANSITIVE,
-    Orders,
-    PatternProblem,
-    Stack,
-    conflict,
-)
+from origami_nlp.pattern_problem import Orders, PatternProblem, Stack, conflict
 from origami_nlp.validity.closing import face_words
 from origami_nlp.validity.counting import Counted, count_posed, posed_orders
 from origami_nlp.validity.faults import MILLI, Findings
 
-STATED = "faceOrders agree with each other"
 CREASES = "faceOrders agree with creases"
 WHOLE = "faceOrders are whole"
 RULES = "faceOrders are those of paper"
@@ -52,22 +45,12 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
 def _check_stated(
     f: Findings, stack: Stack, orders: Orders | Counted, stated: Sequence[Order]
 ) -> bool:
-    """Check faceOrders with each other, with the creases and with the rules of paper; whether they are right."""
+    """Check faceOrders with the creases, and with each other by the rules of paper; whether they are right."""
     shown = {one: [*as_read] for one, as_read in zip(stated, f.frame.face_orders, strict=True)}
-    said, wrong = dict[int, tuple[bool, Order]](), set[Order]()
-    for order in stated:
-        for unknown, value in stack.states(order):
-            was, by = said.setdefault(unknown, (value, order))
-            if was != value and not {order, by} <= wrong:
-                wrong |= {order, by}
-                text = f"{shown[by]} and {shown[order]} say the opposite of each other"
-                f.fault(STATED, text, faces=shown[order][:2], place=_place(stack, unknown))
-    f.settle(STATED, f"{len(stated)} stated")
-    values = {unknown: value for unknown, (value, by) in said.items() if by not in wrong}
+    said = {unknown: (value, one) for one in stated for unknown, value in stack.states(one)}
     known = [*stack.known()]
     for unknown, value, crease in known:
-        if values.setdefault(unknown, value) != value:
-            del values[unknown]
+        if unknown in said and said[unknown][0] != value:
             by = said[unknown][1]
             edge = int(stack.crossings.pattern.numbers[crease])
             kinds = ("valley", "mountain")[:: 1 if stack.phi[crease] > 0 else -1]
@@ -75,38 +58,18 @@ def _check_stated(
             at = _place(stack, unknown)
             f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=at)
     f.settle(CREASES, f"{len(known)} creases folded flat")
-    _check_rules(f, stack, values)
-    if isinstance(orders, Orders) and not any(map(f.of, (STATED, CREASES, RULES))):
-        if core := conflict(stack, orders, stated)[0]:
-            words = " and ".join(str(shown[one]) for one in core)
-            faces = sorted({face for one in core for face in shown[one][:2]})
-            f.fault(RULES, f"{words} contradict each other, by what follows from them", faces=faces)
-    f.settle(RULES, f"{len(stack.ruled[1]):,} rules")
-    return not any(map(f.of, (STATED, CREASES, RULES)))
-
-
-def _check_rules(f: Findings, stack: Stack, values: dict[int, bool]) -> None:
-    """Check every rule with what is said of its pairs."""
-    seen = set()
-    for (unknowns, allowed), pieces in stack.rules():
-        known = [values.get(u) for u in unknowns]
-        if any(all(k in (None, v) for k, v in zip(known, fit, strict=True)) for fit in allowed):
-            continue
-        which = stack.crossings.polygon[list(pieces)].tolist()
-        words = face_words(f, stack.crossings.pattern, *sorted({*which}))
-        kind = "transitivity"
-        if allowed != TRANSITIVE:  # creases that join two pieces which lie on each other are tacos
-            a, b, c, d = pieces
-            tacos = _on_each_other(stack, a, b) + (c != d and _on_each_other(stack, c, d))
-            kind = ("tortilla-tortilla", "taco-tortilla", "taco-taco")[tacos]
-        if (text := f"{words} pass through each other ({kind})") not in seen:
-            seen.add(text)
-            place = _place(stack, unknowns[0]) if unknowns else stack.x[pieces[0]].mean(axis=0)
-            f.fault(RULES, text, faces=sorted({*which}) if f.frame.faces else [], place=place)
-
-
-def _on_each_other(stack: Stack, a: int, b: int) -> bool:
-    return (min(a, b), max(a, b)) in stack.unknown
+    # what contradicts each other, or what is known besides, is left out and the others looked at again
+    left = [*stated]
+    while isinstance(orders, Orders) and (core := conflict(stack, orders, left)[0]):
+        left = [one for one in left if one not in core]
+        words = " and ".join(str(shown[one]) for one in core)
+        faces = sorted({face for one in core for face in shown[one][:2]})
+        why = "each other" if len(core) > 1 else "how paper can lie"
+        place = _place(stack, next(iter(stack.states(core[0])))[0])
+        text = f"{words} contradict {why}, by what follows from them"
+        f.fault(RULES, text, faces=faces, place=place)
+    f.settle(RULES, f"{len(stated)} stated, {len(stack.ruled[1]):,} rules")
+    return not (f.of(CREASES) or f.of(RULES))
 
 
 def _check_whole(f: Findings, stack: Stack, orders: Orders) -> None:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 SCHEMA = "origami-nlp/pattern/2"
-HEADS = (*"vertex degree M/V".split(), "sector angles [deg]", "Kawasaki [deg]", "Maekawa")
-HEADS += ("folds flat", "analysis")
+HEADS = *"vertex degree M/V Kawasaki Maekawa flat analysis".split(), "sector angles [deg]"
+WIDTHS = "{:<7} {:<7} {:<8} {:<9} {:<8} {:<5} {:<9} {}"
 
 
 @dataclass(frozen=True)
@@ -117,20 +117,17 @@ def print_vertices(lists: Sequence[VertexList], console: Console) -> None:
         name = Path(frame.source).name or "frame 0"
         name += f", frame {frame.number}" * bool(frame.number)
         title = f"{name} ({kind}){': ' + frame.title if frame.title else ''}"
-        rows = [HEADS, *map(_row, one.vertices, one.flat)]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         # a table of rich takes 20 times as long, of 10,000 vertices
         said = [f"{title}: {many} interior vert{'ex' if many == 1 else 'ices'} with creases"]
-        said += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        said += [WIDTHS.format(*row) for row in (HEADS, *map(_row, one.vertices, one.flat))]
         said += [f"note: {note}" for note in one.notes]
         said += [f"vertex {v.number}: {note}" for v in one.vertices for note in v.notes]
         console.out(printable("\n".join(said), lines=True), highlight=False)
 
 
-def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
+def _row(v: FoldVertex, folds: bool | None) -> tuple[object, ...]:
     angles = " ".join(f"{math.degrees(a):.5g}" for a in v.sector_angles)
     kawasaki = "-" if v.kawasaki is None else f"{math.degrees(v.kawasaki):.2g}"
     maekawa = "-" if v.maekawa is None else f"{v.maekawa:+d}"
     flat = {True: "yes", False: "no", None: "-"}[folds]
-    first = (str(v.number), str(v.degree), v.assignment, angles)
-    return (*first, kawasaki, maekawa, flat, v.reason or "yes")
+    return (v.number, v.degree, v.assignment, kawasaki, maekawa, flat, v.reason or "yes", angles)

@@ -12,7 +12,6 @@ from origami_nlp.contact.segments import SLOPE, STIFFNESS, SegmentReport, find_s
 from origami_nlp.continuation import (
     BoundaryCurve,
 )
-from origami_nlp.display import METASTABLE
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import PatternProblem
 from tests.computed_once import panel_result, shared, thinned
@@ -93,9 +92,3 @@ def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
             steep = abs(curve.slope[k]) > SLOPE * math.pi * total
             assert steep or abs(curve.stiffness[k]) > STIFFNESS * total
         assert segment.states == (2,)
-
-
-def test_figure_marks_segments() -> None:
-    figure = segments("fold limit").draw()
-    colours = [line.get_color() for axis in figure.axes for line in axis.lines]
-    assert colours.count(METASTABLE) == 4  # one segment in each of four rows

@@ -7,7 +7,7 @@ import tracemalloc
 import pytest
 
 from origami_nlp.drawings import DrawingOptions, read_drawing
-from origami_nlp.errors import DrawingError, FoldFileError
+from origami_nlp.errors import FoldFileError
 from origami_nlp.pattern import frame_pattern, parse_fold
 
 SQUARE = "1 0 0 4 0\n1 4 0 4 4\n1 4 4 0 4\n1 0 4 0 0\n"
@@ -34,15 +34,6 @@ def test_lines_that_meet_in_one_place_take_memory_as_they_are_many(text, edges):
     finally:
         tracemalloc.stop()
     assert len(made.edges) == edges
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_lines_that_lie_on_each_other_without_end_are_refused():
-    nested = "".join(
-        f"2 {k / 3000} {k / 3000} {4 - k / 3000} {4 - k / 3000}\n" for k in range(3000)
-    )
-    with pytest.raises(DrawingError, match="meet more than"):
-        read_drawing((SQUARE + nested).encode(), ".cp")
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ PACKAGE = Path(origami_nlp.__file__).parent
 TABLE = PACKAGE / "numerics" / "tolerances.py"
 SMALL = 0.1
 """Floats below this are tolerances, until somebody says what else they are."""
-DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure phase_figure"
+DRAWN = "chart/axes display/ figure drawing picture strip panel phase_figure"
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """

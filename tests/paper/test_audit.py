@@ -15,7 +15,6 @@ from origami_nlp.pattern import examples
 from origami_nlp.pattern_problem import pose
 from tests.command_line import run
 from tests.computed_once import minima_once, panel_result
-from tests.independent import rotations
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "authors_candidates.json"
 STEP = math.pi / 256
@@ -93,18 +92,6 @@ def test_every_artefact_is_named(made: tuple[Audit, list[str]]) -> None:
     ] == causes
     total = [int(cell) for cell in found.table().rows[-1][1:]]
     assert total[0] == len(causes) == sum(total[1 : 1 + len(CAUSES)])
-
-
-@known
-def test_thirty_rows_do_not_close() -> None:
-    """By rotation matrices; fifteen different ones, each listed on both branches."""
-    rows = set()
-    for c in read_candidates(REFERENCE):
-        sectors = np.array(c.scene.vertex.sector_angles)
-        m = rotations.fold(sectors, np.array(c.fold_angles))[1][0]
-        if np.linalg.norm(m - np.eye(3)) > 1e-5:  # |M - I| is 2 sqrt(2) |vec q|
-            rows.add((c.number, c.panel, tuple(np.round(c.fold_angles, 5))))
-    assert len(rows) == 30 and len({row[1:] for row in rows}) == 15
 
 
 @known

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import origami_nlp.symbolic.claims
 import pytest
-from origami_nlp.symbolic.claim import Claim, Verdict
+from origami_nlp.symbolic.claim import Verdict
 
 from origami_nlp.errors import OptionError
 from origami_nlp.symbolic import catalogue
@@ -56,12 +56,6 @@ def test_unknown_id_names_its_neighbours():
         catalogue.claim_by_id("s3.j")
 
 
-def test_duplicate_ids_are_refused(monkeypatch):
-    monkeypatch.setattr(catalogue, "MODULES", ("derivations", "derivations"))
-    with pytest.raises(AssertionError, match="twice"):
-        catalogue.claims.__wrapped__()
-
-
 @pytest.mark.parametrize(
     ("verdict", "corrected", "decided"),
     [
@@ -76,10 +70,3 @@ def test_duplicate_ids_are_refused(monkeypatch):
 )
 def test_what_counts_as_decided(verdict, corrected, decided):
     assert Verdict(verdict, "", "", corrected_proved=corrected).decided is decided
-
-
-def test_deciding_times_the_check():
-    claim = Claim("x", "here", "title", 3, "3", lambda s: Verdict("proved", "m", str(s)))
-    assert claim.decide().evidence == "3"
-    assert claim.decide(4).evidence == "4"
-    assert claim.decide().seconds > 0

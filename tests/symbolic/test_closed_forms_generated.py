@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from origami_nlp.symbolic.generate import main, modules
+from origami_nlp.symbolic.generate import modules
 
 from origami_nlp.closed_forms import (
     Reason,
@@ -24,18 +24,6 @@ def test_generated_modules_are_up_to_date():
         assert path.read_text(encoding="utf-8") == text, (
             f"run python -m origami_nlp.symbolic.generate: {path}"
         )
-
-
-def test_check_option_finds_a_stale_module(monkeypatch, tmp_path):
-    import origami_nlp.symbolic.generate as generate
-
-    monkeypatch.setattr(generate, "TARGET", tmp_path)
-    assert main(["--check"]) == 1
-    assert main([]) == 0
-    assert main(["--check"]) == 0
-    victim = next(tmp_path.glob("*.py"))
-    victim.write_text(victim.read_text().replace("2", "3", 1))
-    assert main(["--check"]) == 1
 
 
 def test_import_loads_neither_sympy_nor_casadi():
@@ -69,13 +57,6 @@ def test_second_singular_point_of_degree6_creases_1_and_4_coincide():
         assert point.reason == Reason.SINGULAR or np.abs(point.first).max() > 1e12
     beside = degree6(a, a, phi + 1e-3, phi + 1e-3)
     assert beside.reason != Reason.SINGULAR
-
-
-def test_folded_flat_states_sit_on_the_boundary():
-    """phi_2 = phi_3 = pi with (pi/4, pi/2, pi/4): both mirror creases at +-pi or 0, not refused."""
-    point = degree6(np.pi / 4, np.pi / 4, np.pi, -np.pi)
-    assert point.reason == Reason.OK
-    assert np.allclose(np.abs(np.sin(point.value)), 0, atol=1e-12)
 
 
 def test_reason_of_missing_states():

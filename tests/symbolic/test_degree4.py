@@ -5,7 +5,6 @@ import pytest
 import sympy as sp
 from origami_nlp.symbolic.degree4 import half_tangent
 
-import origami_nlp as o
 from tests.independent.scan_four import closed_states
 from tests.symbolic.closed_forms_reference import loop_quaternion
 
@@ -73,26 +72,3 @@ def test_the_two_modes_are_all_closed_states():
         scanned = scanned[lifted]
         apart = [np.linalg.norm(known - state, axis=1).min() for state in scanned]
         assert max(apart) < 0.02
-
-
-def test_minima_that_are_found_are_on_the_curves():
-    sectors = np.radians([62, 100, 119, 79])
-    scene = o.Scene(
-        o.Vertex(tuple(sectors)),
-        (0.02, 0.0186, 0.0129, 0.0135),
-        tuple(np.radians([-180, -141, 180, 180])),
-    )
-    result = o.find_minima(scene, prove=False)
-    assert len(result.minima) == 6
-
-    def energy(mode, t):
-        apart = folds(sectors, mode, t) - np.array(scene.rest_angles)[:, None]
-        return 0.5 * np.array(scene.stiffness) @ apart**2
-
-    fine, energies = np.sin(np.linspace(-np.pi / 2, np.pi / 2, 20_001)), []
-    for mode in (1, 2):
-        u = energy(mode, fine)
-        for k in np.flatnonzero((u[1:-1] < u[:-2]) & (u[1:-1] < u[2:])) + 1:
-            energies.append(energy(mode, np.linspace(fine[k - 1], fine[k + 1], 2001)).min())
-        energies += [u[k] for k, beside in ((0, 1), (-1, -2)) if u[k] < u[beside]]
-    assert sorted(energies) == pytest.approx([m.energy for m in result.minima], abs=1e-9)

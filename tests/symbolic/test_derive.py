@@ -163,23 +163,6 @@ def test_cyclic_closes(n, period, unknown, branch):
         done += int(ok.sum())
 
 
-def test_no_solution_where_the_discriminant_is_negative():
-    """Scan phi_1 at 200 points without existence: the wedge equation keeps its sign."""
-    rng = np.random.default_rng(3)
-    v, p2 = sp.symbols("upsilon phi_2")
-    equation = dihedral_form(2, [sp.pi / 5], [p2], v).equation
-    f = sp.lambdify([v, p2], [equation.discriminant, equation.A, equation.B, equation.C])
-    t = np.linspace(-PI, PI, 721)
-    found = 0
-    for elevation, fold in rng.uniform(-1, 1, (2000, 2)) * [0.5, PI]:
-        disc, a, b, c = f(elevation, fold)
-        if disc < -1e-6:
-            residual = a * np.cos(t) + b * np.sin(t) - c
-            assert residual.min() * residual.max() > 0
-            found += 1
-    assert found > 200
-
-
 def test_wrong_input_is_refused():
     with pytest.raises(ValueError, match="2 inner creases but 1"):
         reflection_form([1, 2], [1])

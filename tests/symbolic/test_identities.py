@@ -12,18 +12,6 @@ from origami_nlp.symbolic.identities import (
     vanishes,
 )
 from origami_nlp.symbolic.intervals import certify_sign
-from origami_nlp.symbolic.rotations import (
-    E1,
-    E2,
-    E3,
-    about,
-    cross,
-    dot,
-    half_pair,
-    matrix,
-    rational_pair,
-    reflect,
-)
 
 A, B = sp.symbols("a b", real=True)
 CA, CB = circle(A, "a"), circle(B / 2, "b")
@@ -77,22 +65,6 @@ def test_normal_form_is_the_groebner_remainder():
     relations = [CA.s**2 + CA.c**2 - 1, CB.s**2 + CB.c**2 - 1]
     remainder = sp.reduced(expr, relations, CA.s, CB.s, CA.c, CB.c, order="lex")[1]
     assert sp.expand(remainder - reduce(expr, [CA, CB]).as_expr()) == 0
-
-
-def test_infinite_half_tangent_is_half_a_turn():
-    assert rational_pair(sp.oo) == (-1, 0)
-    assert rational_pair(sp.Rational(1, 2)) == (sp.Rational(3, 5), sp.Rational(4, 5))
-
-
-def test_quaternions_follow_the_right_hand():
-    turned = about(E3, half_pair(sp.pi / 2)).rotate(E1)
-    assert tuple(sp.expand(x) for x in turned) == E2
-    q = about(E1, rational_pair(sp.Rational(1, 3))) * about(E2, rational_pair(sp.Rational(1, 5)))
-    r = matrix(q)
-    assert r * r.T == sp.eye(3) and r.det() == 1
-    assert (q * q.inverse).expand().vector == (0, 0, 0)
-    assert dot(cross(E1, E2), E3) == 1
-    assert reflect(E2, (1, 2, 3)) == (1, -2, 3)
 
 
 def test_intervals_certify_and_refuse():

@@ -2,20 +2,14 @@
 
 import numpy as np
 import pytest
-import sympy as sp
 from origami_nlp.symbolic.claims import section3_contact
 from origami_nlp.symbolic.claims.section3_energy import crease_average
-from origami_nlp.symbolic.rotations import E3
 from origami_nlp.symbolic.tips import (
-    TIPS,
     descent,
-    disjoint,
     fold_angles,
     gap_gradient,
     tip_directions,
     tip_example,
-    tip_velocity,
-    touching_facets,
 )
 
 from origami_nlp import Vertex, check_admissible
@@ -98,31 +92,6 @@ def test_no_nearby_symmetric_state_is_admissible_and_lower(tip):
                 growth = energy(near, rest) - energy(phi, rest)
                 assert growth >= 5 / 16 * ((near - phi) ** 2).sum() - 1e-14
     assert admissible > 30
-
-
-def test_velocity_of_the_tips_agrees_with_finite_differences(tip):
-    vertex, phi, _, d = tip
-    state, c_1, c_2 = tip_example()
-    directions = tip_directions(c_1, c_2)
-    exact = floats(tip_velocity(directions, descent(c_1, c_2)))
-    h = 1e-6
-    ends = [fold_vertex(vertex, closed(vertex, phi + s * d))[0] for s in (h, -h)]
-    rates = (ends[0] - ends[1]) / (2 * h)
-    placed = fold_vertex(vertex, phi)[0]
-    wanted = np.array([floats(c) for c in directions])
-    turn = np.linalg.lstsq(placed, wanted, rcond=None)[0]  # row vectors: placed @ turn = wanted
-    assert np.allclose((rates[TIPS[0]] - rates[TIPS[1]]) @ turn, exact, atol=1e-7)
-    assert state.crease_matrix() * descent(c_1, c_2) == sp.zeros(3, 1)
-
-
-def test_facets_apart_and_touching():
-    up, east, north = (sp.Matrix(v) for v in (E3, (1, 0, 0), (0, 1, 0)))
-    assert disjoint((up, east), (north, sp.Matrix([-1, 1, -1])))
-    assert not disjoint((up, east), (sp.Matrix([1, 1, 1]), sp.Matrix([1, -1, 1])))
-    with pytest.raises(ValueError, match="one plane"):
-        disjoint((up, east), (east - up, -up))
-    _, c_1, c_2 = tip_example()
-    assert touching_facets(tip_directions(c_1, c_2)) == {(1, 5), (1, 6), (2, 5), (2, 6)}
 
 
 def test_a_broken_step_leaves_the_claim_undecided(monkeypatch):

@@ -36,12 +36,3 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree):
             assert curve.kind == "end" or abs(sum(sides[0]) - sum(sides[1])) == 1
             kinds.add(curve.kind)
     assert {"start", "end"} <= kinds
-
-
-def test_printed_plateaus_agree_with_the_symbolic_claims():
-    """s5.plateau-N counts branches of finite depth as r -> infinity; so do the maps."""
-    from origami_nlp.symbolic.claims.section5 import stiff_even_minima
-
-    for degree in (6, 8):
-        counts = cone.count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
-        assert (counts.total == stiff_even_minima(degree // 2)).all()
