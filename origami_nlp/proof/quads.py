@@ -37,7 +37,7 @@ from flint import arb, arb_series
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.result import ProvedState, Region
+from origami_nlp.proof.certificate import ProvedState, Region
 from origami_nlp.proof.sheets import (
     DEPTH,
     TERMS,
@@ -89,6 +89,10 @@ class QuadSheet:
     vertices: list[QuadVertex]
     deviation: float
     folds_flat = False
+
+    def search(self, budget: Budget) -> QuadSearch:
+        """Return what goes through its closed states."""
+        return QuadSearch(self, budget)
 
     def signs(self, modes: Sequence[int]) -> dict[int, int] | None:
         """Return the signs of folds of the first vertices in these modes; None where they contradict each other."""

@@ -42,9 +42,8 @@ import numpy as np
 
 from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
 from origami_nlp.proof.boxes import WIDER, Boxes
-from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import Gap, ReducedVertex
-from origami_nlp.proof.rows import CREASE, TINY, UNIT, Triples, pairs
+from origami_nlp.proof.pieces import ReducedVertex, piece_of
+from origami_nlp.proof.rows import CREASE, TINY, UNIT, Gap, Triples, pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +114,8 @@ class BoxKkt:
     def __init__(self, vertex: ReducedVertex, gaps: tuple[Gap, ...] = ()) -> None:
         self.piece = piece = piece_of(vertex)
         chain = piece.chain
-        self.n, self.equations = vertex.size, piece.pivots
-        self.m = piece.pivots + len(gaps)
+        self.n, self.equations = vertex.size, piece.rank
+        self.m = piece.rank + len(gaps)
         self.k, self.rest = vertex.problem.parameters.stiffness, piece.rest
         self.gaps = Triples(chain, [chain.closed(*g.rays, kind=g.kind) for g in gaps])
         self.sines = np.array(
@@ -397,12 +396,6 @@ def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
         inside &= 2.3 * (moves[i] * r + noise[i]) <= roots.spread[i]
         out[same & inside] = i
     return out
-
-
-def joined_roots(parts: list[Roots]) -> Roots:
-    """Return roots of several parts, in order."""
-    names = Roots.__dataclass_fields__
-    return Roots(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
 
 
 def different(roots: Roots, known: int = 0) -> Roots:

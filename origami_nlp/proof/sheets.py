@@ -23,7 +23,7 @@ from flint import arb, ctx
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern, laid_flat
-from origami_nlp.proof.result import ProvedState
+from origami_nlp.proof.certificate import ProvedState
 from origami_nlp.proof.rows import UNIT
 
 BITS = 128

@@ -15,7 +15,7 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import Vertex, examples, linear
 from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.proof.boxes import prune, strata
-from origami_nlp.proof.complete import pose
+from origami_nlp.proof.proving import pose
 from origami_nlp.proof.roots import BoxKkt, certify, newton
 from tests.computed_once import thinned
 from tests.proof.fifty_digits import cross, dot, fold_quaternion, multiply

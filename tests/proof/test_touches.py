@@ -13,8 +13,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import ReducedVertex, prove, why_not
 from origami_nlp.proof.pieces import VertexPiece
-from origami_nlp.proof.reduced import Gap
-from origami_nlp.proof.rows import variables
+from origami_nlp.proof.rows import Gap, variables
 from origami_nlp.proof.touches import APART, CROSSED, TouchedPiece, contact_strata, separation
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
