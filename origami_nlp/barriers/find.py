@@ -2,7 +2,7 @@
 
 Along traced curves where there are some, exactly with one degree of freedom (`graph`), and
 along ways on one terrain (`search.Terrain`): escape paths, straight walks, and descents from saddles, which
-Newton on the KKT system finds where the lowest ways are highest (`passes`).  `bounds` says what lies below.
+Newton on the KKT system finds where the lowest ways are highest (`passes`).  `graph` says what lies below as well.
 """
 
 from __future__ import annotations
@@ -18,15 +18,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_until, check_whole
-from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
-from origami_nlp.barriers.graph import passes_over, traced_passes
+from origami_nlp.barriers.graph import bounded, flat_bound, passes_over, traced_passes
 from origami_nlp.barriers.passes import Known, Pass, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.walks import Walks
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.escapes import (
     ALONE,
-    BOUND,
     MOST_CREASES,
     TRACED,
     Escape,
@@ -37,11 +34,12 @@ from origami_nlp.escapes import (
     escape_paths_of_each,
     highest,
     level_of,
+    number_of,
     rounded_up,
     softest_modes,
 )
 from origami_nlp.minima import MinimaResult, canonical_states, check_result
-from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
+from origami_nlp.numerics import DUPLICATE_TOL, groups
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import PassGraph, PathDown, find_states
@@ -200,8 +198,7 @@ class _Paths:
             known = listed[k].escape
             exact = known is not None and known.method in (TRACED, ALONE)
             if math.isfinite(barrier) and not (known and (exact or known.barrier <= barrier)):
-                escape = Escape(barrier, BOUND, SHOWN, to + 1, (), barrier < SHALLOW * scale)
-                listed[k] = replace(listed[k], escape=escape)
+                listed[k] = replace(listed[k], escape=Escape.bound(barrier, to, scale))
         return replace(self.result, minima=tuple(listed))
 
     def _in_time(self, part: str, work: Callable[[], object]) -> Any:
@@ -237,22 +234,72 @@ class _Paths:
                 elif (down := down_to(terrain, way.states[-1])) is not None and down[1] != k:
                     states = np.concatenate([terrain.minima[k][None], way.states, down[0][1:]])
                     for one in self._checked(states, down[1], k):
-                        yield one
-                        for move in moves:
-                            whole = move(one.states)
-                            ends = [terrain.listed(x) for x in (whole[0], whole[-1])]
-                            if min(ends) >= 0 and ends != [k, down[1]]:
-                                whole[[0, -1]] = terrain.minima[ends]
-                                yield PathDown(whole, ends[1], ends[0], one.energy)
+                        yield from self._with_images(one, terrain.minima)
+
+    def _with_images(self, way: PathDown, nodes: np.ndarray) -> Iterator[PathDown]:
+        """Go through a way between some states, minima the first, and its images under symmetries of all springs."""
+        seen = set[tuple[int, int]]()
+        for states in (way.states.copy(), *(move(way.states) for move in self.posed.moves)):
+            ends = number_of(states[0], nodes), number_of(states[-1], nodes)
+            if min(ends) >= 0 and ends not in seen:
+                seen.add(ends)
+                states[[0, -1]] = nodes[[*ends]]
+                start = ends[0] if ends[0] < len(self.minima) else -1
+                yield PathDown(states, ends[1], start, way.energy)
 
     def _between(self) -> Iterator[PathDown]:
-        """Walk from minima to the flat state, and to each other where no way is known yet."""
-        problem, flat = self.terrain.problem, np.zeros(self.terrain.problem.size)
+        """Walk from minima to the flat state, and to each other, over any height, where no way is known yet.
+
+        From where a walk meets contact it goes down.  Each way is closed, and facets do not cross at the states that
+        are looked at.
+        """
+        terrain, problem = self.terrain, self.terrain.problem
+        minima, many, flat = terrain.minima, len(terrain.minima), np.zeros(problem.size)
         lies = problem.pattern.lies_flat and not problem.refuses(flat)
+        nodes = np.concatenate([minima, flat[None][: int(lies)]])
         joined = [(m.first[0], m.second[0]) for m in self.traced.tree.merges]
-        walks = Walks(self.terrain, [flat] * lies, joined, self.posed.moves)
-        for start, to, path in walks.ways():
-            yield PathDown(path, to, start)
+        # on different sides of flat vertices: no straight way leads from one to the other
+        sides = terrain.sides(nodes)
+        differ = (sides[:, None] * sides < 0).any(axis=2)
+
+        def apart(one: int, other: int) -> bool:
+            group = groups(len(nodes), joined)
+            return bool(group[one] != group[other])
+
+        def whole(start: int, to: int, path: np.ndarray) -> Iterator[PathDown]:
+            passed = terrain.through_flat(path)
+            if passed is None or (passed := terrain.with_tops(passed)) is None:
+                return
+            passed[[0, -1]] = nodes[[start, to]]
+            for one in self._with_images(PathDown(passed, to, start), nodes):
+                joined.append((one.to, one.start if one.start >= 0 else many))
+                yield one
+
+        for k in np.flatnonzero(~differ[many, :many]).tolist() if lies else ():
+            if (k, many) not in joined:
+                path, arrives = terrain.walk_to(minima[k], flat)
+                if arrives:
+                    yield from whole(many, k, path[::-1])
+        # more decimals of distances are rounding
+        far = np.linalg.norm(minima[:, None] - minima, axis=2).round(6)
+        pairs, group, descents = set(), groups(len(nodes), joined), 60
+        for k in range(many):
+            # walks lead to the nearest ones, while no way to them is known
+            nearest = np.argsort(far[k], kind="stable").tolist()
+            others = [j for j in nearest if group[j] != group[k] and not differ[k, j]]
+            pairs |= {(min(k, j), max(k, j)) for j in others[:8]}
+        for pair in sorted(pairs, key=lambda pair: (far[pair], pair)):
+            for k, to in (pair, pair[::-1]):
+                if not apart(k, to):
+                    break
+                path, arrives = terrain.walk_to(minima[k], minima[to])
+                if not arrives and len(path) > 1 and descents:
+                    descents -= 1
+                    down = down_to(terrain, path[-1])
+                    if (arrives := down is not None and apart(k, down[1])) and down is not None:
+                        to, path = down[1], np.concatenate([path, down[0][1:]])
+                if arrives:
+                    yield from whole(k, to, path)
 
     def _over_saddles(self) -> Iterator[PathDown]:
         """Go down both sides of saddles beside the highest states of the lowest ways."""

@@ -9,16 +9,14 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.escapes.elder_rule import barriers, level_of
-from origami_nlp.escapes.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
+from origami_nlp.escapes.escape import OPEN, Escape, EscapePath, barriers, level_of, rounded_up
 from origami_nlp.escapes.paths import escape_paths
 from origami_nlp.escapes.terrain import FLOOR, Terrain, energy_scale
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, SHALLOW, coarse
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
-SHOWN = "an explicit escape path climbs so high; lower ones are not excluded"
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
 
@@ -121,7 +119,7 @@ def find_escapes(
             # to two digits: more hang on where steps of descents in batches were cut
             barrier = float(rounded_up(max(barrier, FLOOR * scale)))
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
-            out.append(Escape(barrier, BOUND, SHOWN, to + 1, top, barrier < SHALLOW * scale))
+            out.append(Escape.bound(barrier, to, scale, top))
     return out
 
 
