@@ -33,6 +33,8 @@ from origami_nlp.escapes import (
     energy_scale,
     escape_paths_of_each,
     highest,
+    images_of,
+    is_first,
     level_of,
     number_of,
     rounded_up,
@@ -221,15 +223,15 @@ class _Paths:
 
     def _escapes(self) -> Iterator[PathDown]:
         """Go escape paths out of each minimum on to where they end, those of images under symmetries as these."""
-        terrain, moves = self.terrain, self.posed.moves
-        alike = [sorted({terrain.listed(m(y)) for m in moves}) for y in terrain.minima]
+        terrain = self.terrain
+        images = images_of(terrain.minima, self.posed.moves)
         # minima are in order of energy
         # out of those of lowest energy, images under symmetries not counted
-        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:12]
+        first = [k for k in self.loose if is_first(k, images)][:12]
         for k, found in escape_paths_of_each(terrain, first):
             for way in found:
                 if way.to < 0:
-                    for j in {k, *alike[k]} - {-1}:
+                    for j in {k, *images[:, k].tolist()} - {-1}:
                         self.beyond[j] = min(self.beyond[j], way.height)
                 elif (down := down_to(terrain, way.states[-1])) is not None and down[1] != k:
                     states = np.concatenate([terrain.minima[k][None], way.states, down[0][1:]])

@@ -14,6 +14,8 @@ from .find import (
     MOST_CREASES as MOST_CREASES,
     Move as Move,
     find_escapes as find_escapes,
+    images_of as images_of,
+    is_first as is_first,
     softest_modes as softest_modes,
 )
 from .partings import rays as rays
