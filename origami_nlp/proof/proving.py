@@ -58,8 +58,6 @@ SMALLER = (1e-7, 1e-9, 1e-11)
 """Widths [rad] to which candidates that hold no certified root are cut once more where closure has full rank."""
 MOST_SMALLER = 20_000
 """Boxes for each of these."""
-BESIDE, FEW = 1e-4, 300
-"""Radius [rad], and boxes, in which it is asked whether a state folded flat is alone."""
 ISOLATED = 5_000
 """Candidates of a set of touches up to which they are taken for isolated points, and not for a curve."""
 
@@ -202,9 +200,6 @@ class BoxSearch:
             self._leave(_box(roots.x[i], roots.radius[i]), reason, singular=True, alone=True)
         for some in clusters(rest):
             reason, singular, alone = reason_of(system, some)
-            if singular and not (alone or touches):
-                lemma = lemma_at(vertex, some)
-                alone, self.looked = lemma.radius > 0, self.looked + lemma.boxes
             self._leave(some, reason + names, singular, alone)
         self._judge(roots[np.flatnonzero(inside)], touches)
 
@@ -377,15 +372,6 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True, alone
     return "no root was certified", False, False
-
-
-def lemma_at(vertex: ReducedVertex, boxes: Boxes) -> Flat:
-    """Return what is shown of the state folded flat that boxes of a stratum are round."""
-    base = math.pi * np.rint(boxes.lower.mean(axis=1) / math.pi)[:, None]
-    reach = max(np.abs(boxes.lower - base).max(), np.abs(boxes.upper - base).max())
-    if reach > BESIDE or vertex.winding != 1:
-        return Flat(0.0, 0, None)
-    return flat_lemma(FlatVertex(vertex, base[:, 0], boxes.pins[:, 0]), (BESIDE,), FEW)
 
 
 def _box(x: np.ndarray, radius: float) -> Boxes:
