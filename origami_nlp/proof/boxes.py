@@ -30,8 +30,6 @@ from origami_nlp.proof.rows import TINY, UNIT, Affine, joined, variables
 
 BATCH = 2_000
 """Boxes that are treated together."""
-FEW = 100
-"""Boxes up to which a batch costs the same: they are cut twice at once."""
 SMALLEST = 1e-5
 """Width [rad] of boxes that are candidates for roots or singular states: all narrower ones are."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -192,8 +190,6 @@ def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes
     done = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
     halves = _halves(after[cut])
-    if len(halves[0]) < FEW:
-        halves = [*_halves(halves[0]), *_halves(halves[1])]
     return after[done], joined([after[~empty & ~done & ~cut], *halves], -1)
 
 

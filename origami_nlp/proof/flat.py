@@ -19,6 +19,8 @@ most per(|A| + E) - per(|A|).
 With a symmetry minors are those of the whole vertex all the same.  Where axes span space, multipliers of symmetric
 states are those m that the group leaves alone, G_i = m . c_i for all images at once; where not, all minors are 0.
 
+So it is at a state folded flat, of the creases that are free there: b are then their directions in the plane.
+
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
 sum_i G_i u_i < 0 at r = 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
 leave.
@@ -83,38 +85,54 @@ class Flat:
 
 
 class FlatVertex:
-    """A whole vertex at the flat state: single springs, and which creases are one variable.
+    """A whole vertex at a flat state: the creases that are free, single springs, and which are one variable.
 
     Parameters
     ----------
     vertex
         Of a flat sheet.
+    base, pins
+        Variables of a state folded flat, multiples of pi, and which of them are held, [n]; None: the flat state.
 
     Attributes
     ----------
     b
         Directions of the creases, [N, 2].
     stiffness, rest
-        Of creases, [N].
+        Of creases, from where they are at the state, [N].
     tied
         1 where a crease is of a variable, [N, n].
-    twins
-        Of creases on one line k_a x_a - s k_b x_b, and what that is at the state, None where exactly 0.
+    closes
+        Whether that state closes.
     """
 
-    def __init__(self, vertex: ReducedVertex) -> None:
+    def __init__(
+        self,
+        vertex: ReducedVertex,
+        base: np.ndarray | None = None,
+        pins: np.ndarray | None = None,
+    ) -> None:
         piece, of = piece_of(vertex), vertex.variable_of_crease
+        base = np.zeros(vertex.size) if base is None else base
+        free = np.ones(vertex.size, bool) if pins is None else pins == 0
         sectors = vertex.scene.vertex.sector_angles
-        azimuth = np.array([math.fsum(sectors[:i]) for i in range(len(sectors))])
-        self.b = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-        self.stiffness, self.rest = piece.stiffness[of], piece.rest[of]
-        self.tied = np.eye(vertex.size)[of]
+        # beyond a crease that is closed the sheet goes back
+        way = np.cumprod(np.where(np.abs(base[of]) > 1, -1, 1)) * sectors
+        azimuth = np.array([math.fsum(way[:i]) for i in range(len(way))])
+        # relations of sectors that hold to what these may be off are taken as exact
+        open_ = math.remainder(math.fsum(way), 2 * math.pi)
+        self.closes = abs(open_) <= (len(way) + 1) * SECTORS * 4 * UNIT
+        self.b = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)[free[of]]
+        self.stiffness = piece.stiffness[of][free[of]]
+        self.rest = (piece.rest - base)[of][free[of]]
+        self.tied = np.eye(vertex.size)[of][free[of]][:, free]
+        # of creases on one line: k_a x_a - s k_b x_b, and what that is at the state, None where exactly 0
         self.twins: list[tuple[np.ndarray, float | None]] = []
-        springs = np.stack([piece.stiffness, piece.rest])
-        for t, row in piece.twins_on(np.zeros(vertex.size)):
+        springs = np.stack([piece.stiffness, piece.rest, base])
+        for t, row in piece.twins_on(np.zeros(vertex.size) if pins is None else pins):
             apart = np.ptp(springs[:, list(t.creases)], axis=1).max()
             same = len(t.creases) == 2 and t.sign > 0 and apart == 0
-            self.twins.append((row[None], None if same else -row @ piece.rest))
+            self.twins.append((row[free][None], None if same else row @ (base - piece.rest)))
 
 
 class ClosedDirections:
@@ -213,7 +231,7 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
 def flat_lemma(vertex: FlatVertex, radii: Sequence[float] = RADII, most: int = MOST) -> Flat:
     """Look for the first radius within which the flat state is the only critical point, in so many boxes each."""
     boxes = 0
-    for radius in radii:
+    for radius in radii if vertex.closes else ():
         cone = ClosedDirections(vertex, radius)
         left = prune(cone, cone.faces(), small=NARROW, most=most)
         boxes += left.boxes

@@ -57,7 +57,6 @@ from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.proof.rows import (
     CREASE,
     SECTORS,
-    SLIGHTLY,
     UNIT,
     Affine,
     Chain,
@@ -68,7 +67,6 @@ from origami_nlp.proof.rows import (
     joined,
     number,
     pairs,
-    times_vector,
     variables,
 )
 
@@ -346,32 +344,24 @@ class Period(Piece):
         self.chain = Chain(range(n), [1.0] * n, self.sectors.tolist(), n, n)
         self.level, self.whole = math.cos(vertex.winding * math.pi / order), 2 * math.pi / order
 
-    def closure(self, folded: Folded) -> Quadratic:
-        """Enclose the scalar less what it is."""
+    def loop(self, folded: Folded) -> Quadratic:
+        """Enclose the product of folds and sectors."""
         n, q = self.size, turned_by(folded, self.whole)
         near = np.full((4, 1), self.chain.loop_rounding)
-        row = self.chain.turned(q, folded.vectors[:, :n], range(n), folded.radii, near)[:1]
-        return row + number(0 * row.value - self.level, 4 * UNIT, n)
+        return self.chain.turned(q, folded.vectors[:, :n], range(n), folded.radii, near)
+
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose the scalar less what it is."""
+        row = self.loop(folded)[:1]
+        return row + number(0 * row.value - self.level, 4 * UNIT, self.size)
 
     def slopes(self, folded: Folded) -> Quadratic:
-        """Enclose twice the derivatives of the scalar by each fold."""
-        n, q, r = self.size, turned_by(folded, self.whole), folded.radii
-        axes = folded.vectors[:, :n]
-        one = times_vector(axes, q[:, None])  # c_k q
-        two = 0.5 * times_vector(axes[:, :, None], one[:, None])  # c_j c_k q / 2
-        three = -0.5 * np.einsum("aik,ajlk->ijlk", axes, two[1:])
-        i, j, k = np.sort(np.indices((n, n, n)), axis=0)
-        a, b = np.sort(np.indices((n, n)), axis=0)
-        first, second, _ = pairs(n)
-        share = np.where(first == second, 0.5, 1.0)[:, None]
-        s = r.sum(axis=0)
-        rest = s**3 / 48 * SLIGHTLY + self.chain.rounding * (1 + s + s * s)
-        return Quadratic(
-            one[0],
-            two[0][a, b] * r,
-            three[i, j, k][:, first, second] * (share * r[first] * r[second]),
-            np.repeat(rest[None], n, axis=0),
-        )
+        """Enclose c . vec T of each fold, minus twice the derivatives of the scalar."""
+        n, x, r = self.size, folded.vectors, folded.radii
+        known = CREASE * (2 * n + 1)
+        q = self.loop(folded)[1:]
+        axes = (self.chain.turned(x[:, k], x[:, :k], range(k), r[:k], known) for k in range(n))
+        return joined([(q * axis).mapped(np.ones((1, 3))) for axis in axes])
 
 
 class Wedge(Piece):
@@ -425,20 +415,16 @@ class OneMirror(Wedge):
             for i, j in self.sets
         ]
 
-    def closure(self, folded: Folded) -> Quadratic:
-        """Enclose n_1 - N as the middle ray sees it."""
-        return apart(self.normals_apart(folded))
-
     def equations(self, folded: Folded) -> Quadratic:
         """Enclose the two rows of first order."""
-        return self.normals_apart(folded)[1:]
+        return self.closure(folded)[1:]
 
     def closes(self, folded: Folded) -> np.ndarray:
         """Return whether N is n_1, and not -n_1, [K]."""
         x, c = folded.vectors, self.chain
         return np.asarray((x[:, c.first] * x[:, c.last]).sum(axis=0) >= 0)
 
-    def normals_apart(self, folded: Folded) -> Quadratic:
+    def closure(self, folded: Folded) -> Quadratic:
         """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: y, x, z."""
         c, x, r = self.chain, folded.vectors, folded.radii
         half = len(self.rays) // 2
@@ -447,21 +433,6 @@ class OneMirror(Wedge):
         first = c.turned(x[:, c.first], x[:, back], back, -r[back], 0.0)
         last = c.turned(x[:, c.last], x[:, on], on, r[on], known)
         return (first + last.times(-1.0))[[1, 0, 2]]
-
-
-def apart(rows: Quadratic) -> Quadratic:
-    """Turn the last two rows so that their slopes are at right angles: the weak one does not drown in the other."""
-    a, b = rows.slopes[-2:]
-    angle = 0.5 * np.arctan2(2 * (a * b).sum(axis=0), (a * a - b * b).sum(axis=0))
-    c, s = np.cos(angle), np.sin(angle)
-    out = [v.copy() for v in rows.parts]
-    for v in out[:3]:
-        v[-2], v[-1] = c * v[-2] + s * v[-1], c * v[-1] - s * v[-2]
-    size = 4 * UNIT * rows.magnitude()[-2:].sum(axis=0)
-    first, second = rows.rest[-2:]
-    out[3][-2] = np.abs(c) * first + np.abs(s) * second + size
-    out[3][-1] = np.abs(s) * first + np.abs(c) * second + size
-    return Quadratic(*out)
 
 
 def turned_by(folded: Folded, angle: float) -> np.ndarray:

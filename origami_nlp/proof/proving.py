@@ -50,14 +50,12 @@ from origami_nlp.proof.touches import (
 
 MOST_DOF = 4
 """Degrees of freedom up to which it is tried: each multiplies boxes by about 11."""
-NEAR = 0.05
-"""Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
 LOW = 1e-4
 """Smallest singular value of closure on the free variables, in the smallest boxes, that counts as regular."""
-SMALLER = (1e-7, 1e-9, 1e-11)
-"""Widths [rad] to which candidates that hold no certified root are cut once more where closure has full rank."""
-MOST_SMALLER = 20_000
-"""Boxes for each of these."""
+WIDTHS, MOST_SMALLER = (SMALLEST, 1e-7, 1e-9, 1e-11), 20_000
+"""Widths [rad] to which candidates that hold no root are cut, and boxes for each."""
+BESIDE, FEW = 1e-4, 300
+"""Radius [rad], and boxes, in which it is asked whether a state folded flat is alone."""
 ISOLATED = 5_000
 """Candidates of a set of touches up to which they are taken for isolated points, and not for a curve."""
 
@@ -200,6 +198,9 @@ class BoxSearch:
             self._leave(_box(roots.x[i], roots.radius[i]), reason, singular=True, alone=True)
         for some in clusters(rest):
             reason, singular, alone = reason_of(system, some)
+            if singular and not (alone or touches):
+                lemma = lemma_at(vertex, some)
+                alone, self.looked = lemma.radius > 0, self.looked + lemma.boxes
             self._leave(some, reason + names, singular, alone)
         self._judge(roots[np.flatnonzero(inside)], touches)
 
@@ -263,52 +264,34 @@ def _within_stops(flat: Flat, vertex: ReducedVertex) -> Flat:
 def certified(
     system: BoxKkt, posed: BoxProblem, boxes: Boxes, flat: float
 ) -> tuple[Roots, Boxes, int]:
-    """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
+    """Return different roots that candidates hold, the boxes that hold none, and how many more were treated.
 
-    Returns
-    -------
-    roots : Roots
-        Different ones, each held by some box.
-    rest : Boxes
-        Those that no root holds.
-    more : int
-        Boxes treated.
+    Where closure has full rank, boxes that hold none are made smaller.
     """
-    found, more = _roots_of(system, boxes[:0]), 0
-    fresh = boxes
-    for small in (0.0, *SMALLER):
-        if small:
-            which = _regular(system, boxes, flat)
-            if not which.any():
-                continue  # the same boxes would give the same roots
-            again = prune(posed, boxes[which], flat=flat, small=small, most=MOST_SMALLER)
-            fresh = joined([again.candidates, again.open], -1)
-            boxes, more = joined([boxes[~which], fresh], -1), more + again.boxes
-        roots = different(joined([found, _roots_of(system, fresh)]), len(found))
+    roots, used, more = _roots_of(system, boxes[:0]), set[int](), 0
+    for small in WIDTHS:
+        middle = 0.5 * (boxes.lower + boxes.upper).T
+        which = system.least_slope(middle, boxes.pins.T) > 3 * SMALLEST
+        if small < SMALLEST and not which.any():
+            break  # the same boxes would give the same roots
+        again = prune(posed, boxes[which], flat=flat, small=small, most=MOST_SMALLER)
+        boxes = joined([boxes[~which], again.candidates, again.open], -1)
+        roots, more = different(joined([roots, _roots_of(system, boxes)])), more + again.boxes
         number = holds(system, roots, boxes)
-        found = roots[np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), int)]
+        used |= {*number[number >= 0].tolist()}
         boxes = boxes[number < 0]
-    return found, boxes, more
+    return roots[np.array(sorted(used), int)], boxes, more
 
 
 def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
-    """Newton from the middle of every box, and certificates of what converged."""
+    """Newton from the middle of every box, and certificates of what converged, each root once."""
     pins = boxes.pins.T
-    x = 0.5 * (boxes.lower + boxes.upper).T
-    x, lam, converged = newton(system, x, pins)
+    x, lam, converged = newton(system, 0.5 * (boxes.lower + boxes.upper).T, pins)
     some = np.flatnonzero(converged)
     # most boxes lead to the same few states
     cells = np.concatenate([pins[some], np.rint(x[some] / CURVED)], axis=1)
     some = some[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
-    return certify_roots(system, x[some], lam[some], pins[some])[0]
-
-
-def _regular(system: BoxKkt, boxes: Boxes, flat: float) -> np.ndarray:
-    """Return at which boxes closure has full rank, on the free variables and for their size, [K]."""
-    pins = boxes.pins.T
-    x = 0.5 * (boxes.lower + boxes.upper).T
-    near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
-    return near | (system.least_slope(x, pins) > 3 * SMALLEST)
+    return different(certify_roots(system, x[some], lam[some], pins[some]))
 
 
 def _point(
@@ -372,6 +355,15 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True, alone
     return "no root was certified", False, False
+
+
+def lemma_at(vertex: ReducedVertex, boxes: Boxes) -> Flat:
+    """Return what is shown of the state folded flat that boxes of a stratum are round."""
+    base = math.pi * np.rint(boxes.lower.mean(axis=1) / math.pi)[:, None]
+    reach = max(np.abs(boxes.lower - base).max(), np.abs(boxes.upper - base).max())
+    if reach > BESIDE or vertex.winding != 1:
+        return Flat(0.0, 0, None)
+    return flat_lemma(FlatVertex(vertex, base[:, 0], boxes.pins[:, 0]), (BESIDE,), FEW)
 
 
 def _box(x: np.ndarray, radius: float) -> Boxes:

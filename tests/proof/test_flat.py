@@ -21,13 +21,23 @@ def posed(scene):
     return FlatVertex(ReducedVertex(scene))
 
 
+FOLDED = Scene(Vertex.from_degrees((60, 80, 120, 100)), (1, 2, 3, 4), (1, -0.5, 2, 0.3), "none")
+
+
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
-@pytest.mark.parametrize("number", range(3))
-def test_remainders_hold(number, radius):
-    """All rows at phi = r u, r at most the radius, differ from those of lowest order by no more than allowed."""
-    scene = family_scene("fold-limits", number)
+@pytest.mark.parametrize(
+    ("scene", "base"),
+    [
+        *((family_scene("fold-limits", number), None) for number in range(3)),
+        (FOLDED, (1, 1, 1, -1)),
+        (FOLDED, (-1, 1, -1, -1)),
+    ],
+)
+def test_remainders_hold(scene, base, radius):
+    """All rows at phi = base + r u, r at most the radius, differ from those of lowest order by no more than allowed."""
     n = scene.degree
-    vertex = FlatVertex(ReducedVertex(scene))
+    base = np.zeros(n) if base is None else math.pi * np.array(base)
+    vertex = FlatVertex(ReducedVertex(scene), base)
     cone = ClosedDirections(vertex, radius)
     rng = np.random.default_rng(n)
     k_max = mpf(max(vertex.stiffness))
@@ -39,8 +49,13 @@ def test_remainders_hold(number, radius):
         rows = cone.rows(box, box, np.zeros((n + 1, 1), int))[0]
         with mp.workdps(50):
             sectors = exact_sectors(piece_of(ReducedVertex(scene)))
-            phi = [mpf(r) * mpf(v) for v in u]
+            if scene is FOLDED:  # folds flat exactly
+                sectors = [mp.pi * degrees / 180 for degrees in (60, 80, 120, 100)]
+            phi = [
+                mp.pi * round(b / math.pi) + mpf(r) * mpf(v) for b, v in zip(base, u, strict=True)
+            ]
             q, axes = fold_quaternion(sectors, phi)
+            q = [v * mp.sign(q[0]) for v in q]
             exact = [q[1] * 2 / mpf(r), q[2] * 2 / mpf(r), q[3] * 4 / mpf(r) ** 2]
             for four in itertools.combinations(range(n), 4):
                 matrix = mp.matrix(4, 4)
@@ -59,6 +74,12 @@ def test_flat_foldings_are_alone_but_where_springs_rest_there():
     scene = replace(examples.panels()[0], contact="fold-limits")
     proof = prove(ReducedVertex(scene))
     assert len(proof.singular) > 100 and all(r.alone for r in proof.singular)
+    base = math.pi * np.array((1, 1, 1, -1))
+    for rest, alone in ((FOLDED.rest_angles, True), (base, False)):
+        lemma = flat_lemma(FlatVertex(ReducedVertex(replace(FOLDED, rest_angles=rest)), base))
+        assert (lemma.radius > 0) is alone
+    off = replace(FOLDED, vertex=Vertex.from_degrees((60, 80, 120.001, 99.999)))
+    assert not FlatVertex(ReducedVertex(off), base).closes
 
 
 def test_generic_flat_states_are_isolated_and_no_minimum():
