@@ -415,16 +415,20 @@ class OneMirror(Wedge):
             for i, j in self.sets
         ]
 
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose n_1 - N as the middle ray sees it."""
+        return apart(self.normals_apart(folded))
+
     def equations(self, folded: Folded) -> Quadratic:
         """Enclose the two rows of first order."""
-        return self.closure(folded)[1:]
+        return self.normals_apart(folded)[1:]
 
     def closes(self, folded: Folded) -> np.ndarray:
         """Return whether N is n_1, and not -n_1, [K]."""
         x, c = folded.vectors, self.chain
         return np.asarray((x[:, c.first] * x[:, c.last]).sum(axis=0) >= 0)
 
-    def closure(self, folded: Folded) -> Quadratic:
+    def normals_apart(self, folded: Folded) -> Quadratic:
         """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: y, x, z."""
         c, x, r = self.chain, folded.vectors, folded.radii
         half = len(self.rays) // 2
@@ -433,6 +437,21 @@ class OneMirror(Wedge):
         first = c.turned(x[:, c.first], x[:, back], back, -r[back], 0.0)
         last = c.turned(x[:, c.last], x[:, on], on, r[on], known)
         return (first + last.times(-1.0))[[1, 0, 2]]
+
+
+def apart(rows: Quadratic) -> Quadratic:
+    """Turn the last two rows so that their slopes are at right angles: the weak one does not drown in the other."""
+    a, b = rows.slopes[-2:]
+    angle = 0.5 * np.arctan2(2 * (a * b).sum(axis=0), (a * a - b * b).sum(axis=0))
+    c, s = np.cos(angle), np.sin(angle)
+    out = [v.copy() for v in rows.parts]
+    for v in out[:3]:
+        v[-2], v[-1] = c * v[-2] + s * v[-1], c * v[-1] - s * v[-2]
+    size = 4 * UNIT * rows.magnitude()[-2:].sum(axis=0)
+    first, second = rows.rest[-2:]
+    out[3][-2] = np.abs(c) * first + np.abs(s) * second + size
+    out[3][-1] = np.abs(s) * first + np.abs(c) * second + size
+    return Quadratic(*out)
 
 
 def turned_by(folded: Folded, angle: float) -> np.ndarray:

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples, winding_number
 from origami_nlp.proof import ReducedVertex
-from origami_nlp.proof.pieces import OneMirror, Period, VertexPiece, Wedge, piece_of
+from origami_nlp.proof.pieces import OneMirror, Period, VertexPiece, Wedge, apart, piece_of
 from origami_nlp.proof.proving import pose
 from origami_nlp.proof.rows import Triples, pairs, variables
 from tests.closed_states import closed_states
@@ -137,7 +137,11 @@ def values(form, xi):
 
 def forms(piece, middle, half):
     folded, torques = piece.chain.fold(middle, half), piece.torques(middle, half)
-    return piece.closure(folded), piece.minors(folded, torques)
+    if isinstance(piece, OneMirror):
+        closure = piece.normals_apart(folded)
+    else:
+        closure = piece.closure(folded)
+    return closure, piece.minors(folded, torques)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -191,6 +195,21 @@ def test_what_is_allowed_for_rounding_is_more_than_it_is(name, size):
         for form, true in zip((*rows, gaps), exact, strict=True):
             for row, value in enumerate(true):
                 assert abs(value - mpf(form.value[row, k])) <= mpf(form.rest[row, k])
+
+
+def test_rows_turned_apart_are_the_same_rows():
+    rng = np.random.default_rng(2)
+    one = Quadratic(
+        rng.normal(size=(3, 9)),
+        rng.normal(size=(3, 4, 9)),
+        rng.normal(size=(3, 10, 9)),
+        np.zeros((3, 9)),
+    )
+    other = apart(one)
+    assert np.abs((other.slopes[1] * other.slopes[2]).sum(axis=0)).max() < 1e-13
+    xi = rng.uniform(-1, 1, (4, 9))
+    sizes = [(values(form, xi)[1:] ** 2).sum(axis=0) for form in (one, other)]
+    assert np.abs(sizes[0] - sizes[1]).max() < 1e-12
 
 
 def test_products_hold_their_values():
