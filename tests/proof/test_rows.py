@@ -12,7 +12,7 @@ from origami_nlp.pattern import Vertex, examples, winding_number
 from origami_nlp.proof import ReducedVertex
 from origami_nlp.proof.pieces import OneMirror, Period, VertexPiece, Wedge, apart, piece_of
 from origami_nlp.proof.proving import pose
-from origami_nlp.proof.rows import Triples, pairs, variables
+from origami_nlp.proof.rows import Quadratic, Triples, pairs, variables
 from tests.closed_states import closed_states
 from tests.proof.fifty_digits import cross, dot, multiply
 
