@@ -101,15 +101,13 @@ def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
     return ask
 
 
-def prove_each(
-    vertices: Sequence[ReducedVertex], *, until: float = math.inf, **options: Any
-) -> Proof:
+def prove(*vertices: ReducedVertex, until: float = math.inf, **options: Any) -> Proof:
     """Prove the list of a vertex once per run, if its limit of time is far."""
     if until < time.monotonic() + FAR:
-        return proof.prove_each(vertices, until=until, **options)
-    names = "".join(_question(proof.prove_each, one, options) for one in vertices)
+        return proof.prove(*vertices, until=until, **options)
+    names = "".join(_question(proof.prove, one, options) for one in vertices)
     name = hashlib.sha256(names.encode()).hexdigest()
-    return once(f"proof-{name}", lambda: proof.prove_each(vertices, **options))
+    return once(f"proof-{name}", lambda: proof.prove(*vertices, **options))
 
 
 prove_sheet = by_pattern(prove_sheet)

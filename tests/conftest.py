@@ -61,7 +61,7 @@ def _once_a_scene(_folder_of_the_run):
             patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
         proved = importlib.import_module("origami_nlp.pattern_states.proved")
         patch.setattr(proved, "prove_sheet", computed_once.prove_sheet)
-        patch.setattr(proved, "prove_each", computed_once.prove_each)
+        patch.setattr(proved, "prove", computed_once.prove)
         find = importlib.import_module("origami_nlp.pattern_states.find")
         patch.setattr(find, "with_escapes", computed_once.by_states(find.with_escapes))
         yield

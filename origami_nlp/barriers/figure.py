@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +38,7 @@ def draw_barriers(barriers: Barriers) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    from origami_nlp.display import minima_legend, passes_legend
+    from origami_nlp.display import label_text, minima_legend, passes_legend
     from origami_nlp.minima import judged
 
     check_type("barriers", barriers, Barriers)
@@ -45,9 +46,13 @@ def draw_barriers(barriers: Barriers) -> Figure:
     width = max(5.2, min(0.13 * len(result.minima) + 2, 24.0))
     figure = Figure(figsize=(width, 3.7), dpi=110, layout="constrained")
     ax = figure.add_subplot()
-    _draw_tree(ax, barriers)
-    ax.set_ylabel("energy [J]")
+    ax.set_title(label_text(barriers.label), fontsize=9.5)
     found = [(m.kind, judged(result.origami, m)) for m in result.minima]
+    if not found:
+        ax.axis("off")
+        ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
+        return figure
+    _draw_tree(ax, barriers, found)
     handles = minima_legend(found, STAR, scene is not None and not scene.group.is_trivial)
     handles += passes_legend((j.pass_kind for j in barriers.merges), STAR)
     look: dict[str, Any] = {"loc": "outside lower center", "fontsize": 9, "frameon": False}
@@ -55,59 +60,51 @@ def draw_barriers(barriers: Barriers) -> Figure:
     return figure
 
 
-def _draw_tree(ax: Axes, barriers: Barriers) -> None:
-    """Draw the merge tree of one scene."""
-    from origami_nlp.display import INK, label_text, mark_minimum, pass_look
-    from origami_nlp.minima import judged
+def _draw_tree(ax: Axes, barriers: Barriers, looks: Sequence[tuple[str, str | None]]) -> None:
+    """Draw the merge tree of minima of some kinds and verdicts."""
+    from origami_nlp.display import INK, mark_minimum, pass_look
 
     minima = barriers.result.minima
     # with more minima marks are smaller, and only numbers are written
     few = len(minima) <= 12
     star = STAR if few else 0.6 * STAR
-    ax.set_title(label_text(barriers.label), fontsize=9.5)
-    if not minima:
-        ax.axis("off")
-        ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
-        return
 
     def label(text: str, at: Any, off: Any, ha: str, va: str, size: float) -> None:
         look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": size, "gid": "label"}
         ax.annotate(text, at, off, textcoords="offset points", **look)
 
-    place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
-    top, at = {k: m.energy for k, m in enumerate(minima, start=1)}, dict(place)
-    branch: dict[int, tuple[int, ...]] = {k: (k,) for k in place}
-    reach = [m.energy for m in minima] + [j.energy for j in barriers.merges]
-    span = max(reach) - min(reach) or 1.0
-    written: set[tuple[str, int]] = set()
+    order = leaf_order(len(minima), barriers.merges)
+    place = {k: float(i) for i, k in enumerate(order)}
+    # where the branch of each leaf ends so far, and the height at which it was labelled
+    ends = {k: (place[k], m.energy) for k, m in enumerate(minima, start=1)}
+    written: dict[int, str] = {}
     for join in barriers.merges:
-        one, two = join.first[0], join.second[0]
-        x, y = at[one], at[two]
-        heights = [top[one], join.energy, join.energy, top[two]]
-        ax.plot([x, x, y, y], heights, color=INK, lw=1.2, zorder=1)
+        (x, low), (y, high) = ends[join.first[0]], ends[join.second[0]]
+        ax.plot([x, x, y, y], [low, join.energy, join.energy, high], color=INK, lw=1.2, zorder=1)
         # above the middle of its leaves: passes of one height do not come to lie on a leaf
-        leaves = (*branch[one], *branch[two])
-        middle = float(np.mean([place[leaf] for leaf in leaves]))
+        leaves = (*join.first, *join.second)
+        middle, text = float(np.mean([place[leaf] for leaf in leaves])), f"{join.energy:.4g}"
         look = pass_look(join.pass_kind, star)
         ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
-        text = f"{join.energy:.4g}"
-        if few and not any((text, leaf) in written for leaf in leaves):
+        if few and text not in {written.get(leaf) for leaf in leaves}:
             whole = len(leaves) == len(minima)  # else beside the branch that goes on upwards
             off, side = ((0, 7), "center") if whole else ((-6, 4), "right")
             label(text, (middle, join.energy), off, side, "bottom", 8.5)
-        written |= {(text, leaf) for leaf in leaves}
-        for leaf in leaves:
-            at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
-    for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, judged(barriers.result.origami, m), star)
+        written |= dict.fromkeys(leaves, text)
+        ends |= dict.fromkeys(leaves, (middle, join.energy))
+    for k, (m, how) in enumerate(zip(minima, looks, strict=True), start=1):
+        mark_minimum(ax, (place[k], m.energy), *how, star)
         text, size = (f"#{k}\n{m.energy:.4g}", 8.5) if few else (f"{k}", 6.5)
         label(text, (place[k], m.energy), (0, -8 if few else -5), "center", "top", size)
-    ax.set_xlim(-0.6, len(minima) - 0.4)
-    ax.set_ylim(min(reach) - (0.28 if few else 0.08) * span, max(reach) + 0.18 * span)
-    ax.set_xticks([])
-    ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
+    reach = [*(m.energy for m in minima), *(j.energy for j in barriers.merges)]
+    low, high = min(reach), max(reach)
+    span = high - low or 1.0
+    ax.set(xlim=(-0.6, len(minima) - 0.4), xticks=[])
+    ax.set_ylim(low - (0.28 if few else 0.08) * span, high + 0.18 * span)
+    ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= high + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
+    ax.set_ylabel("energy [J]")
 
 
 def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:

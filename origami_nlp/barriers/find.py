@@ -2,7 +2,7 @@
 
 Along traced curves where there are some, exactly with one degree of freedom (`graph`), and
 along ways on one terrain (`search.Terrain`): escape paths, straight walks, and descents from saddles, which
-Newton on the KKT system finds where the lowest ways are highest (`passes`).  `bounds` says what lies below.
+Newton on the KKT system finds where the lowest ways are highest (`passes`).  `graph` says what lies below as well.
 """
 
 from __future__ import annotations
@@ -18,15 +18,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_until, check_whole
-from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
-from origami_nlp.barriers.graph import passes_over, traced_passes
+from origami_nlp.barriers.graph import bounded, flat_bound, passes_over, traced_passes
 from origami_nlp.barriers.passes import Known, Pass, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.walks import Walks
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.escapes import (
     ALONE,
-    BOUND,
     MOST_CREASES,
     TRACED,
     Escape,
@@ -36,12 +33,15 @@ from origami_nlp.escapes import (
     energy_scale,
     escape_paths_of_each,
     highest,
+    images_of,
+    is_first,
     level_of,
+    number_of,
     rounded_up,
     softest_modes,
 )
-from origami_nlp.minima import MinimaResult, canonical_states, check_result
-from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
+from origami_nlp.minima import MinimaResult, check_result
+from origami_nlp.numerics import DUPLICATE_TOL, groups
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import PassGraph, PathDown, find_states
@@ -140,21 +140,18 @@ class _Paths:
     """Curves and ways between minima, until the time of their problem is over."""
 
     def __init__(self, result: MinimaResult, say: Callable[[str], object]) -> None:
-        self.result, self._say, self._stated = result, say, result.model
-        contact = self._stated.contact and result.search.contact == "full"
+        self.result, self._say, self.problem = result, say, result.model
         minima = np.array([m.fold_angles for m in result.minima])
-        minima = minima.reshape(-1, self._stated.pattern.creases)
-        self.minima, self.stopped = self._stated.reduce(minima), False
-        posed = self._stated.with_contact(contact)
-        self.posed = canonical_states(posed, result.origami, self.minima)
+        minima = minima.reshape(-1, self.problem.pattern.creases)
+        self.minima, self.stopped = self.problem.reduce(minima), False
         self.late = ["the search for minima"] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
         self.ways, self.loose = list[PathDown](), list[int]()
-        self.traced = PassGraph(self._stated, len(minima), self.minima)
+        self.traced = PassGraph(self.problem, len(minima), self.minima)
 
     def barriers(self) -> Barriers:
         """Find them."""
-        result, posed, on_curves = self.result, self.posed, None
+        result, posed, on_curves = self.result, self.problem, None
         if not result.minima:
             return Barriers(result, (), (), (*self.late,))
         if (
@@ -163,29 +160,27 @@ class _Paths:
             on_curves, self.traced = known
         open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
         left = {k - 1 for p in open_ for k in p.pair}
-        for k, m in enumerate(result.minima if posed.problem.size <= MOST_CREASES else ()):
+        for k, m in enumerate(result.minima if posed.size <= MOST_CREASES else ()):
             if m.local_dimension and (k in left or on_curves is None):
                 self.loose.append(k)
-        leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in self.loose}
-        self.terrain = Terrain(posed.problem, posed.minima, leaving=leaving)
+        leaving = {k: softest_modes(posed, self.minima[k]) for k in self.loose}
+        self.terrain = Terrain(posed, self.minima, leaving=leaving)
         for part, find in (
             ("ways between minima", self._between),
             ("escape paths", self._escapes),
             ("saddles beside paths", self._over_saddles),
         ):
             self._in_time(part, lambda find=find: self.ways.extend(find()))  # type: ignore[misc]
-        each = ((w, posed.back(w.states), posed.unit * w.energy) for w in self.ways)
-        ways = [w._replace(states=states, energy=energy) for w, states, energy in each]
-        whole = passes_over(result, self.traced.with_ways(ways))
+        whole = passes_over(result, self.traced.with_ways(self.ways))
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
         curved = on_curves.passes if on_curves else ()
         before = {p.pair: p for p in curved}
-        passes, (least, reason) = list[Pass](), flat_bound(posed.problem)
+        passes, (least, reason) = list[Pass](), flat_bound(posed)
         for p in whole.passes:
             was = before.get(p.pair, p)
             p = was if was.every or was.energy <= p.energy + level else p
-            passes.append(bounded(p, result, (posed.unit * least, reason), level))
+            passes.append(bounded(p, result, (least, reason), level))
         found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
         return replace(found, result=self._with_escapes(found.matrix(), energies, level))
 
@@ -195,74 +190,116 @@ class _Paths:
         """Return the minima with what passes of some heights [M, M] say of leaving them, where no less is known."""
         scale, listed = energy_scale(np.array(self.result.origami.stiffness)), [*self.result.minima]
         np.fill_diagonal(heights, math.inf)
-        beyond = self.posed.unit * self.beyond
-        for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+        for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, self.beyond)):
             known = listed[k].escape
             exact = known is not None and known.method in (TRACED, ALONE)
             if math.isfinite(barrier) and not (known and (exact or known.barrier <= barrier)):
-                escape = Escape(barrier, BOUND, SHOWN, to + 1, (), barrier < SHALLOW * scale)
-                listed[k] = replace(listed[k], escape=escape)
+                listed[k] = replace(listed[k], escape=Escape.bound(barrier, to, scale))
         return replace(self.result, minima=tuple(listed))
 
     def _in_time(self, part: str, work: Callable[[], object]) -> Any:
         """Do a part of the work for `SECONDS` at most, and note if the time ended it."""
         self._say(part)
-        problems = self._stated, self.posed.problem
-        until = self._stated.until
+        until = self.problem.until
         try:
-            for problem in problems:
-                problem.until = min(until, time.monotonic() + SECONDS * (not self.stopped))
-            self._stated.check_time()
+            self.problem.until = min(until, time.monotonic() + SECONDS * (not self.stopped))
+            self.problem.check_time()
             return work()
         except (OutOfTime, KeyboardInterrupt) as stop:
             self.late.append(part)
             self.stopped |= isinstance(stop, KeyboardInterrupt)
         finally:
-            for problem in problems:
-                problem.until = until
+            self.problem.until = until
         return None
 
     def _escapes(self) -> Iterator[PathDown]:
         """Go escape paths out of each minimum on to where they end, those of images under symmetries as these."""
-        terrain, moves = self.terrain, self.posed.moves
-        alike = [sorted({terrain.listed(m(y)) for m in moves}) for y in terrain.minima]
+        terrain = self.terrain
+        images = images_of(terrain.minima, self.problem.moves)
         # minima are in order of energy
         # out of those of lowest energy, images under symmetries not counted
-        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:12]
+        first = [k for k in self.loose if is_first(k, images)][:12]
         for k, found in escape_paths_of_each(terrain, first):
             for way in found:
                 if way.to < 0:
-                    for j in {k, *alike[k]} - {-1}:
+                    for j in {k, *images[:, k].tolist()} - {-1}:
                         self.beyond[j] = min(self.beyond[j], way.height)
                 elif (down := down_to(terrain, way.states[-1])) is not None and down[1] != k:
                     states = np.concatenate([terrain.minima[k][None], way.states, down[0][1:]])
                     for one in self._checked(states, down[1], k):
-                        yield one
-                        for move in moves:
-                            whole = move(one.states)
-                            ends = [terrain.listed(x) for x in (whole[0], whole[-1])]
-                            if min(ends) >= 0 and ends != [k, down[1]]:
-                                whole[[0, -1]] = terrain.minima[ends]
-                                yield PathDown(whole, ends[1], ends[0], one.energy)
+                        yield from self._with_images(one, terrain.minima)
+
+    def _with_images(self, way: PathDown, nodes: np.ndarray) -> Iterator[PathDown]:
+        """Go through a way between some states, minima the first, and its images under symmetries of all springs."""
+        seen = set[tuple[int, int]]()
+        for states in (way.states.copy(), *(move(way.states) for move in self.problem.moves)):
+            ends = number_of(states[0], nodes), number_of(states[-1], nodes)
+            if min(ends) >= 0 and ends not in seen:
+                seen.add(ends)
+                states[[0, -1]] = nodes[[*ends]]
+                start = ends[0] if ends[0] < len(self.minima) else -1
+                yield PathDown(states, ends[1], start, way.energy)
 
     def _between(self) -> Iterator[PathDown]:
-        """Walk from minima to the flat state, and to each other where no way is known yet."""
-        problem, flat = self.terrain.problem, np.zeros(self.terrain.problem.size)
+        """Walk from minima to the flat state, and to each other, over any height, where no way is known yet.
+
+        From where a walk meets contact it goes down.  Each way is closed, and facets do not cross at the states that
+        are looked at.
+        """
+        terrain, problem = self.terrain, self.terrain.problem
+        minima, many, flat = terrain.minima, len(terrain.minima), np.zeros(problem.size)
         lies = problem.pattern.lies_flat and not problem.refuses(flat)
+        nodes = np.concatenate([minima, flat[None][: int(lies)]])
         joined = [(m.first[0], m.second[0]) for m in self.traced.tree.merges]
-        walks = Walks(self.terrain, [flat] * lies, joined, self.posed.moves)
-        for start, to, path in walks.ways():
-            yield PathDown(path, to, start)
+        # on different sides of flat vertices: no straight way leads from one to the other
+        sides = terrain.sides(nodes)
+        differ = (sides[:, None] * sides < 0).any(axis=2)
+
+        def apart(one: int, other: int) -> bool:
+            group = groups(len(nodes), joined)
+            return bool(group[one] != group[other])
+
+        def whole(start: int, to: int, path: np.ndarray) -> Iterator[PathDown]:
+            passed = terrain.through_flat(path)
+            if passed is None or (passed := terrain.with_tops(passed)) is None:
+                return
+            passed[[0, -1]] = nodes[[start, to]]
+            for one in self._with_images(PathDown(passed, to, start), nodes):
+                joined.append((one.to, one.start if one.start >= 0 else many))
+                yield one
+
+        for k in np.flatnonzero(~differ[many, :many]).tolist() if lies else ():
+            if (k, many) not in joined:
+                path, arrives = terrain.walk_to(minima[k], flat)
+                if arrives:
+                    yield from whole(many, k, path[::-1])
+        # more decimals of distances are rounding
+        far = np.linalg.norm(minima[:, None] - minima, axis=2).round(6)
+        pairs, group, descents = set(), groups(len(nodes), joined), 60
+        for k in range(many):
+            # walks lead to the nearest ones, while no way to them is known
+            nearest = np.argsort(far[k], kind="stable").tolist()
+            others = [j for j in nearest if group[j] != group[k] and not differ[k, j]]
+            pairs |= {(min(k, j), max(k, j)) for j in others[:8]}
+        for pair in sorted(pairs, key=lambda pair: (far[pair], pair)):
+            for k, to in (pair, pair[::-1]):
+                if not apart(k, to):
+                    break
+                path, arrives = terrain.walk_to(minima[k], minima[to])
+                if not arrives and len(path) > 1 and descents:
+                    descents -= 1
+                    down = down_to(terrain, path[-1])
+                    if (arrives := down is not None and apart(k, down[1])) and down is not None:
+                        to, path = down[1], np.concatenate([path, down[0][1:]])
+                if arrives:
+                    yield from whole(k, to, path)
 
     def _over_saddles(self) -> Iterator[PathDown]:
         """Go down both sides of saddles beside the highest states of the lowest ways."""
         terrain, known, tried = self.terrain, list[np.ndarray](), set[bytes]()
-        begun = self.traced  # under other labels curves are others: no saddle is looked for there
-        if self.posed.labels is not None:
-            begun = PassGraph(terrain.problem, len(terrain.minima), terrain.minima)
         # beside those first that the most pairs of minima pass
         while len(tried) < 40:
-            graph = begun.with_ways(self.ways)
+            graph = self.traced.with_ways(self.ways)
             merges = sorted(graph.tree.merges, key=lambda m: -len(m.first) * len(m.second))
             tops = (graph.states[graph.top(merge.edge)] for merge in merges)
             top = next((x for x in tops if x.tobytes() not in tried), None)

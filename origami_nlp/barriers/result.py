@@ -28,8 +28,8 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
 MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
@@ -190,7 +190,11 @@ class Barriers(Report, Viewable):
             mine = [p for p in self.passes if k in p.pair]
             if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
                 near = least.energy / (1 + SAME_ENERGY)
-                above = (p.known is Known.EXACT or self._floor(p) >= near for p in mine)
+                floors = (np.nanmax([p.least, *self._energies(p)]) for p in mine)
+                above = (
+                    p.known is Known.EXACT or low >= near
+                    for p, low in zip(mine, floors, strict=True)
+                )
                 sure = least.known is Known.EXACT and (least.every or all(above))
                 known.append((least.energy - m.energy, "" if sure else "at most ", k))
         known.sort()
@@ -205,22 +209,15 @@ class Barriers(Report, Viewable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
-        origami = self.result.origami
-        frame, frames = partial(state_frame, origami), list[dict[str, Any]]()
-        for p in self.passes:
-            if len(p.path):
-                title = "path {} to {}".format(*p.pair)
-                frames += path_frames(frame, p.path, p.path_energy, title)
+        origami, frames = self.result.origami, list[dict[str, Any]]()
+        for p in (one for one in self.passes if len(one.path)):
+            title = "path {} to {}".format(*p.pair)
+            frames += path_frames(partial(state_frame, origami), p.path, p.path_energy, title)
         return states_to_fold(origami, frames)
 
-    def _energies(self, p: Pass) -> tuple[float, float]:
+    def _energies(self, p: Pass) -> list[float]:
         """Return the energies of the minima on either side of a pass."""
-        one, two = (self.result.minima[k - 1].energy for k in p.pair)
-        return one, two
-
-    def _floor(self, p: Pass) -> float:
-        """Return what each path between two minima climbs to at least."""
-        return float(np.nanmax([p.least, *self._energies(p)]))
+        return [self.result.minima[k - 1].energy for k in p.pair]
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, and where they are."""
@@ -230,31 +227,22 @@ class Barriers(Report, Viewable):
         yield (record_table(some[:MOST_PAIRS], self.verdict, narrow=True) if some else self.verdict)
         if rest := some[MOST_PAIRS:]:
             yield f"... {len(rest):,} more pairs: --verbose, or -o FILE.json"
-        reasons: dict[str, list[str]] = {}
-        for p in self.passes:
-            reasons.setdefault(p.why, []).append(p.name)
-        for why, pairs in reasons.items():
+        for why in dict.fromkeys(p.why for p in self.passes):
+            pairs = [p.name for p in self.passes if p.why == why]
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.left_out:
             ended = "interrupted" if self.stopped else OUT_OF_TIME
             yield f"{ended}, not through with: {', '.join(self.left_out)}"
-        if (
-            isinstance(self.result.origami, Pattern)
-            and getattr(self.result.search, "contact", "") == "full"
-        ):
-            signs = PopSigns(self.result.pattern)
-            for p in self.passes:
-                for vertex, _ in signs.crossed(p.path):
-                    yield f"alarm: {p.name}: facets cross round vertex {vertex} on the path, which is none of paper"
         further = [record_table(rest, "further pairs", narrow=True)] if rest else []
-        places = ["fold angles at the passes [deg]"]
-        for p in self.passes:
-            if p.fold_angles:
-                angles = np.round(np.degrees(p.fold_angles), 2) + 0.0
-                places.append(f"{p.name}: {' '.join(f'{a:.2f}' for a in angles)}")
-        if len(places) > 1:
-            yield Details((*further, *places), "Where passes are")
+        places = [
+            f"{p.name}: {' '.join(f'{round(math.degrees(a), 2) + 0.0:.2f}' for a in p.fold_angles)}"
+            for p in self.passes
+            if p.fold_angles
+        ]
+        if places:
+            head = "fold angles at the passes [deg]"
+            yield Details((*further, head, *places), "Where passes are")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for row, p in zip(self.rows, self.passes, strict=True):

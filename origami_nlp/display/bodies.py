@@ -42,13 +42,10 @@ class Body:
         Corners of each, from 0, counterclockwise seen from the upper side of the paper; convex.
     creases
         In the order of the fold angles.
-    sectors
-        Whether facets are drawn as sectors of a disc about their first corner, instead of as polygons.
     """
 
     facets: tuple[tuple[int, ...], ...]
     creases: tuple[Crease, ...]
-    sectors: bool = False
 
 
 @dataclass(frozen=True)

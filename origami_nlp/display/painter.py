@@ -17,7 +17,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.papers import area_of, paper_of, pattern_view
+from origami_nlp.display.papers import apex_of, area_of, paper_of, pattern_view
 from origami_nlp.display.style import (
     BORDER,
     FLAT,
@@ -130,9 +130,8 @@ def draw_state(
 
 def _number_places(pattern: Pattern, corners: np.ndarray) -> np.ndarray:
     """Return where the numbers of creases go [n, 2], just beyond their ends and apart; none but round one vertex."""
-    if len(pattern.vertices) != 1 or len(pattern.vertices[0].creases) != pattern.creases:
+    if (apex := apex_of(pattern)) is None:
         return np.zeros((0, 2))
-    apex = pattern.vertices[0].vertex
     ends = np.where(pattern.ends[:, 0] == apex, pattern.ends[:, 1], pattern.ends[:, 0])
     out = (corners[ends] - corners[apex])[:, :2]
     unit = float(pattern.lengths.max())

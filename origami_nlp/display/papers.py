@@ -14,19 +14,14 @@ AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
 
 
-def triangles_of(origami: Scene | Vertex | Pattern) -> Pattern:
-    """Return the sheet of an origami: of a vertex triangles about corner 0, whose creases are 1 long."""
+def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
+    """Return the sheet of an origami as it is shown: of a vertex a disc about corner 0, whose creases are 1 long."""
+    if isinstance(origami, Pattern):
+        return origami
     if isinstance(origami, Vertex):
         n = origami.degree
         origami = Scene(origami, (1.0,) * n, (0.0,) * n, "none", "fold-limits")
-    return origami if isinstance(origami, Pattern) else pose(origami).pattern
-
-
-def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
-    """Return what is drawn of an origami: of a vertex a disc about it, whose creases are 1 long."""
-    paper = triangles_of(origami)
-    if isinstance(origami, Pattern):
-        return paper
+    paper = pose(origami).pattern
     corners, polygons = [*paper.corners], []
     for apex, i, j in paper.polygons:
         a, b = paper.corners[i], paper.corners[j]
@@ -37,6 +32,12 @@ def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
         corners += [*((np.sin(sector - t) * a + np.sin(t) * b) / math.sin(sector))]
         polygons.append((apex, i, *range(first, len(corners)), j))
     return replace(paper, corners=np.array(corners), polygons=tuple(polygons))
+
+
+def apex_of(pattern: Pattern) -> int | None:
+    """Return the corner that all creases of a vertex meet at; None of any other sheet."""
+    one = pattern.vertices[0] if len(pattern.vertices) == 1 else None
+    return one.vertex if one and len(one.creases) == pattern.creases else None
 
 
 def area_of(polygon: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.display.bodies import Body, Crease, FoldedBody, Trajectory
-from origami_nlp.display.papers import pattern_view, triangles_of
+from origami_nlp.display.papers import apex_of, area_of, paper_of, pattern_view
 from origami_nlp.pattern import Pattern, Scene, Vertex
 from origami_nlp.pattern_problem import PatternCrossings
 
@@ -35,8 +35,9 @@ class Poser:
     """
 
     def __init__(self, origami: Scene | Vertex | Pattern) -> None:
-        self._disc = not isinstance(origami, Pattern)
-        pattern = triangles_of(origami)
+        pattern = paper_of(origami)
+        # corner of a single vertex, which stays where it is
+        self._apex = apex_of(pattern)
         self._crease_of = np.arange(pattern.creases)
         if pattern.cell:
             pattern, self._crease_of = pattern.cell.tiles
@@ -44,10 +45,10 @@ class Poser:
         parts = [tuple(dict.fromkeys(piece)) for piece in self._crossings.pieces.tolist()]
         left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
         creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
-        self.body = Body(tuple(parts), creases, sectors=self._disc)
-        mean = pattern.lengths.mean() if pattern.creases else self._crossings.size
+        self.body = Body(tuple(parts), creases)
         # lines are as wide as for a vertex with creases of length 1
-        self._scale = 1.0 if self._disc else 0.8 / float(mean)
+        mean = pattern.lengths.mean() if pattern.creases else self._crossings.size
+        self._scale = 1.0 / float(mean)
 
     def folded(self, fold_angles: object, energy: float) -> FoldedBody:
         """Put a state into space.
@@ -68,10 +69,11 @@ class Poser:
         x = np.nan_to_num(self._crossings.poses.corners(phi))
         shifts = np.zeros((len(self.body.facets), 3))
         middle = x[self._crossings.pieces.ravel()].mean(axis=0)
-        if self._disc:
-            middle = x[0]
-            normals = np.cross(x[1:] - x[0], np.roll(x[1:], -1, axis=0) - x[0])
-            shifts = _layer_offsets(phi, normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        if self._apex is not None:
+            middle = x[self._apex]
+            normals = np.array([area_of(c) for c in self._crossings.poses.polygons(phi)])
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            shifts = _layer_offsets(phi, normals)[self._crossings.polygon]
         return FoldedBody((x - middle) * self._scale, phi, float(energy), shifts)
 
     def view(self, fold_angles: object) -> np.ndarray:

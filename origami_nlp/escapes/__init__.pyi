@@ -1,4 +1,3 @@
-from .elder_rule import barriers as barriers, level_of as level_of
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,
@@ -7,21 +6,25 @@ from .escape import (
     Escape as Escape,
     EscapePath as EscapePath,
     Method as Method,
+    barriers as barriers,
+    level_of as level_of,
     rounded_up as rounded_up,
 )
 from .find import (
     MOST_CREASES as MOST_CREASES,
     Move as Move,
     find_escapes as find_escapes,
+    images_of as images_of,
+    is_first as is_first,
     softest_modes as softest_modes,
 )
+from .partings import rays as rays
 from .paths import (
     down_to as down_to,
     escape_paths as escape_paths,
     escape_paths_of_each as escape_paths_of_each,
     highest as highest,
 )
-from .rays import rays as rays
 from .terrain import (
     Terrain as Terrain,
     energy_scale as energy_scale,

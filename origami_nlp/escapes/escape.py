@@ -1,4 +1,8 @@
-"""What it takes to leave a stable state, and a way that shows it."""
+"""What it takes to leave a stable state, a way that shows it, and the elder rule, which says it of all by passes.
+
+The barrier is the least energy that a path to a state of no higher energy climbs; where there is none such, to one that
+is not shallow itself.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import LEVEL, SETTLED, SHALLOW
 
 Method = Literal["exact (traced)", "upper bound (descents)", "not determined", "isolated"]
 TRACED: Final = "exact (traced)"
@@ -59,6 +63,12 @@ class Escape(ShortRepr):
         if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
             object.__setattr__(self, "barrier", math.inf)  # no escape path
 
+    @classmethod
+    def bound(cls, barrier: float, to: int, scale: float, top: tuple[float, ...] = ()) -> Escape:
+        """State what an explicit path climbs, to a state by its number from 0; energies by `energy_scale`."""
+        why = "an explicit path climbs so high; lower ones are not excluded"
+        return cls(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale)
+
     @property
     def known(self) -> bool:
         """Whether there is a number."""
@@ -88,3 +98,67 @@ class EscapePath(NamedTuple):
     top: np.ndarray
     to: int
     states: np.ndarray = np.zeros((0, 0))
+
+
+def barriers(
+    energies: np.ndarray,
+    heights: np.ndarray,
+    level: float,
+    scale: float,
+    beyond: np.ndarray | None = None,
+) -> list[tuple[float, int]]:
+    """Return the escape barrier of each state, and the position of the state that it leads to, -1 for none.
+
+    Parameters
+    ----------
+    energies
+        Of the states, [M].
+    heights
+        Of the lowest pass between two of them, over zero, [M, M]; inf where there is none.
+    level
+        Energies that differ by no more are equal.
+    scale
+        Of energies, see `energy_scale`.
+    beyond
+        What a way from each to a lower state that is not among these climbs, [M]; inf for none.
+
+    Returns
+    -------
+    list
+        A pair a state; the barrier is inf where no way is known.
+    """
+    heights = _closed(heights)
+    out: list[tuple[float, int]] = []
+    direct = np.full(len(energies), math.inf) if beyond is None else beyond
+    for k, energy in enumerate(energies):
+        others = (energies <= energy + level) & (np.arange(len(energies)) != k)
+        out.append(
+            min(_least(heights[k], others, energy), (float(direct[k]), -1), key=lambda way: way[0])
+        )
+    for k, (barrier, _) in enumerate(out):
+        # the lowest state has no lower one to go to: its barrier is that to any other that is not shallow
+        if math.isinf(barrier) and (energies >= energies[k] - level).all():
+            deep = np.array([b >= SHALLOW * scale for b, _ in out])
+            deep[k] = False
+            out[k] = _least(heights[k], deep, energies[k])
+    return out
+
+
+def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float, int]:
+    over = np.where(which, heights, math.inf)
+    j = int(over.argmin())
+    return (float(max(over[j] - energy, 0.0)), j) if math.isfinite(over[j]) else (math.inf, -1)
+
+
+def _closed(heights: np.ndarray) -> np.ndarray:
+    """Return heights [M, M] of ways over other states as well, where these are lower."""
+    # least height over all ways: the recursion of Floyd and Warshall with (min, max) in place of (min, +)
+    h = np.minimum(heights, heights.T)
+    for k in range(len(h)):
+        h = np.minimum(h, np.maximum(h[:, k : k + 1], h[k]))
+    return h
+
+
+def level_of(energies: np.ndarray, scale: float) -> float:
+    """Return by how much energies may differ that are equal [their units]."""
+    return LEVEL * (scale + float(np.abs(energies).max(initial=0.0)))

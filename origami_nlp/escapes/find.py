@@ -4,37 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.escapes.elder_rule import barriers, level_of
-from origami_nlp.escapes.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
+from origami_nlp.escapes.escape import OPEN, Escape, EscapePath, barriers, level_of, rounded_up
 from origami_nlp.escapes.paths import escape_paths
-from origami_nlp.escapes.terrain import FLOOR, Terrain, energy_scale
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, SHALLOW, coarse
+from origami_nlp.escapes.terrain import FLOOR, Terrain, energy_scale, number_of
+from origami_nlp.numerics import OUTSIDE, SETTLED, coarse
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
-SHOWN = "an explicit escape path climbs so high; lower ones are not excluded"
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
-
-
-class _Image(NamedTuple):
-    """A state that a symmetry makes of state `of`; to: what it makes of each, -1 where not listed."""
-
-    of: int
-    move: Move | None
-    to: Sequence[int]
-
-    def way(self, way: EscapePath) -> EscapePath:
-        """Return the image of a way."""
-        if self.move is None:
-            return way
-        return EscapePath(way.height, self.move(way.top), self.to[way.to] if way.to >= 0 else -1)
 
 
 def find_escapes(
@@ -75,9 +59,9 @@ def find_escapes(
     level, count = level_of(energies, scale), len(at)
     if problem.pattern.creases > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: escape paths are not sought"
-    images = _images(at, moves)
     loose = [k for k in range(count) if k not in known]
-    first = [k for k in loose if images[k].of == k]
+    images = images_of(at, moves)
+    first = [k for k in loose if is_first(k, images)]
     # out of those of lowest energy, images under symmetries not counted
     last = energies[first[:8]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
@@ -91,9 +75,8 @@ def find_escapes(
             why = "no C compiler was found: escape paths, which many descents show, are not sought"
         else:
             try:
-                found = escape_paths(terrain, out_of)
-                on = [k for k in loose if images[k].of in found]
-                ways = {k: images[k].way(found[images[k].of]) for k in on}
+                found = with_images(escape_paths(terrain, out_of), at, moves)
+                ways = {k: found[k] for k in loose if k in found}
             except OutOfTime:
                 why = "interrupted by the time limit"
     heights, beyond = heights.copy(), np.full(count, math.inf)
@@ -121,24 +104,31 @@ def find_escapes(
             # to two digits: more hang on where steps of descents in batches were cut
             barrier = float(rounded_up(max(barrier, FLOOR * scale)))
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
-            out.append(Escape(barrier, BOUND, SHOWN, to + 1, top, barrier < SHALLOW * scale))
+            out.append(Escape.bound(barrier, to, scale, top))
     return out
 
 
-def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:
-    """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
-    found, listed = dict[int, _Image](), list[tuple[Move, list[int]]]()
-    for move in moves:
-        apart = np.array([np.abs(x - at).max(axis=1) for x in move(at)])
-        to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1)
-        listed.append((move, to.tolist()))
-    for k in range(len(at)):
-        if k not in found:
-            found[k] = _Image(k, None, ())
-            for move, where in listed:
-                if where[k] >= 0:
-                    found.setdefault(where[k], _Image(k, move, where))
-    return [found[k] for k in range(len(at))]
+def images_of(at: np.ndarray, moves: Sequence[Move]) -> np.ndarray:
+    """Return which state symmetries make of each state [M, n], -1 where that is not listed, [moves, M]."""
+    to = [number_of(x, at) for move in moves for x in move(at)]
+    return np.array(to, dtype=int).reshape(len(moves), len(at))
+
+
+def is_first(k: int, images: np.ndarray) -> bool:
+    """Return whether a state is no image, of those of `images_of`, of one before it."""
+    return bool(((images[:, k] < 0) | (images[:, k] >= k)).all())
+
+
+def with_images(
+    found: Mapping[int, EscapePath], at: np.ndarray, moves: Sequence[Move]
+) -> dict[int, EscapePath]:
+    """Return ways out of some states and, of those that have none, out of their images under symmetries."""
+    ways = dict(found)
+    for move, to in zip(moves, images_of(at, moves).tolist(), strict=True):
+        for k, way in found.items():
+            end = to[way.to] if way.to >= 0 else -1
+            ways.setdefault(to[k], EscapePath(way.height, move(way.top), end))
+    return ways
 
 
 def softest_modes(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:

@@ -8,20 +8,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.escapes.escape import EscapePath
-from origami_nlp.escapes.partings import (
-    CERTAIN,
-    Parting,
-    partings_of,
-)
-from origami_nlp.escapes.rays import paths_over_flat
+from origami_nlp.escapes.partings import CERTAIN, Parting, partings_of, paths_over_flat
 from origami_nlp.escapes.terrain import Terrain
 from origami_nlp.numerics import NONZERO, SETTLED, coarse
 
 
-def escape_paths(
-    terrain: Terrain,
-    which: Sequence[int],
-) -> dict[int, EscapePath]:
+def escape_paths(terrain: Terrain, which: Sequence[int]) -> dict[int, EscapePath]:
     """Find an escape path from states of a terrain that climbs little.
 
     Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
@@ -56,16 +48,14 @@ def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None
     """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
     best: EscapePath | None = None
     for part in parts:
-        if best is None or part.height < best.height:
-            best = min(
-                filter(None, (best, _way(terrain, part))), key=lambda w: w.height, default=None
-            )
+        way = _way(terrain, part) if best is None or part.height < best.height else None
+        if way is not None and (best is None or way.height < best.height):
+            best = way
     return best
 
 
 def escape_paths_of_each(
-    terrain: Terrain,
-    which: Sequence[int],
+    terrain: Terrain, which: Sequence[int]
 ) -> Iterator[tuple[int, Iterator[EscapePath]]]:
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
     for k, parts in partings_of(terrain, which):

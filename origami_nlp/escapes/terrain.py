@@ -42,7 +42,7 @@ from origami_nlp.search import (
 FIRST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
 DENSE = 0.1
-"""Steps of a way down are cut to this length [rad], and each state on it looked at."""
+"""Longest step of a straight walk [rad]."""
 LONGEST = 0.1
 """Step of a descent [rad]."""
 FLOOR = SHALLOW / 100
@@ -325,6 +325,7 @@ class Terrain:
         goal: np.ndarray,
         slots: Sequence[tuple[Contact, ...]] = (),
         free: np.ndarray | None = None,
+        largest: float = LARGEST,
     ) -> list[np.ndarray]:
         """Walk from states [R, n] along directions, or to goals (nan: none), as far as states are admissible."""
         p, at = self.problem, x.copy()
@@ -360,17 +361,16 @@ class Terrain:
             for r, one in zip(live, y, strict=True):
                 walked[r].append(one)
             gone += step
-            step = min(2 * step, LARGEST)
+            step = min(2 * step, largest)
         return [np.array(path) for path in walked]
 
     def walk_to(self, x: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, bool]:
         """Walk straight from state x [n] to another, over any height: states looked at [S, n]; whether it arrives."""
-        (path,) = self.walk(x[None], None, goal[None])
+        (path,) = self.walk(x[None], None, goal[None], largest=DENSE)
         arrives = bool(np.abs(path[-1] - goal).max() <= NEAR_SINGULAR_TOL)
         if arrives:
             path[-1] = goal
-        whole = self.cut(list(path))
-        return (x[None], False) if whole is None else (whole, arrives)
+        return path, arrives
 
     def through_flat(self, path: np.ndarray) -> np.ndarray | None:
         """Add to a path [S, n] the states in which vertices are exactly flat that it takes to their other side.
@@ -407,20 +407,6 @@ class Terrain:
                     return None
                 path = np.insert(path, after, middles, axis=0)
         return path
-
-    def cut(self, states: Sequence[np.ndarray]) -> np.ndarray | None:
-        """Cut steps to `DENSE` and look at each state, [S, n]; None where a step leaves closed admissible states."""
-        out = [states[0]]
-        for x in states[1:]:
-            while (left := self.distance(out[-1], x)) > DENSE:
-                inner = self.between(out[-1], x, np.array([0.9 * (DENSE / left)]))
-                if inner is None or self.distance(inner[0], x) >= left:
-                    return None
-                if self.distance(inner[0], out[-1]) > 2 * DENSE:
-                    return None
-                out.append(inner[0])
-            out.append(x)
-        return np.array(out)
 
     def over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Energies of states [..., n] over those of others, without cancellation."""

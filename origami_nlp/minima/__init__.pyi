@@ -3,7 +3,6 @@ from .account import (
     MEETINGS as MEETINGS,
     SearchReport as SearchReport,
 )
-from .canonical import canonical_states as canonical_states
 from .completeness import (
     Added as Added,
     Completeness as Completeness,

@@ -25,7 +25,8 @@ from origami_nlp.proof import (
     ReducedVertex,
     Region,
     as_sheet,
-    prove_each,
+    gaps_of,
+    prove,
     prove_sheet,
     why_no_contact,
     why_not,
@@ -80,9 +81,11 @@ def of_vertices(vertices: Sequence[ReducedVertex]) -> Provable:
     """Return how the list of a vertex is proved, of all its windings."""
     first = vertices[0]
     why = why_not(first)
-    touching = bool(first.gaps) and first.scene.group.is_trivial
+    touching = (
+        bool(first.scene.contact == "full" and gaps_of(first)[0]) and first.scene.group.is_trivial
+    )
     cheap = not why and 0 < first.dof <= (1 if touching else FEW_DOF)
-    return Provable(partial(prove_each, vertices), why, BOXES if cheap else 0)
+    return Provable(partial(prove, *vertices), why, BOXES if cheap else 0)
 
 
 def of_sheet(pattern: Pattern, contact: bool) -> Provable:

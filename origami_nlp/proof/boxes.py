@@ -18,18 +18,18 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from origami_nlp.numerics import groups, pairs_within
 from origami_nlp.problem import FoldLimits
-from origami_nlp.proof.rows import TINY, UNIT, Affine, variables
+from origami_nlp.proof.rows import TINY, UNIT, Affine, joined, variables
 
 BATCH = 2_000
 """Boxes that are treated together."""
-FEW = 100
-"""Boxes up to which a batch costs the same: they are cut twice at once."""
 SMALLEST = 1e-5
 """Width [rad] of boxes that are candidates for roots or singular states: all narrower ones are."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -82,16 +82,6 @@ class Boxes:
     def widths(self) -> np.ndarray:
         """Sides of free angles, 0 for pinned ones, [n, K]."""
         return np.where(self.pins == 0, self.upper - self.lower, 0.0)
-
-
-def joined(parts: list[Boxes]) -> Boxes:
-    """Return boxes as one batch, in order."""
-    return Boxes(
-        *(
-            np.concatenate([getattr(p, name) for p in parts], axis=-1)
-            for name in ("lower", "upper", "pins")
-        )
-    )
 
 
 def strata(n: int, limits: FoldLimits | None = None) -> Boxes:
@@ -180,8 +170,8 @@ def prune(
         near = (reach <= flat) & (again.pins == 0).all(axis=0)
         flats += int(near.sum())
         found.append(done)
-        left = joined([left, again[~near]])
-    return Remainder(joined(found), left, boxes, flats)
+        left = joined([left, again[~near]], -1)
+    return Remainder(joined(found, -1), left, boxes, flats)
 
 
 def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes]:
@@ -200,9 +190,7 @@ def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes
     done = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
     halves = _halves(after[cut])
-    if len(halves[0]) < FEW:
-        halves = [*_halves(halves[0]), *_halves(halves[1])]
-    return after[done], joined([after[~empty & ~done & ~cut], *halves])
+    return after[done], joined([after[~empty & ~done & ~cut], *halves], -1)
 
 
 def _shares(batch: Boxes, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
@@ -269,3 +257,19 @@ def _least_squares(a: np.ndarray, e: np.ndarray) -> np.ndarray:
     # |xi| <= 1 counts as a row too: the matrix is regular whatever A is
     normal[:, i, i] += 1.0
     return np.linalg.solve(normal, turned) / e[:, None, :]
+
+
+def clusters(boxes: Boxes) -> Iterator[Boxes]:
+    """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
+    middle = 0.5 * (boxes.lower + boxes.upper)
+    # other strata are far away
+    cells = np.concatenate([np.floor(middle / (20 * SMALLEST)), 9.0 * boxes.pins]).T
+    cells, cell = np.unique(cells, axis=0, return_inverse=True)
+    label = groups(len(cells), pairs_within(cells, 2))[cell.ravel()] if len(boxes) else np.zeros(0)
+    return (boxes[label == k] for k in range(int(label.max(initial=-1)) + 1))
+
+
+def by_stratum(boxes: Boxes) -> Iterator[Boxes]:
+    """Group boxes by their strata."""
+    strata_, which = np.unique(boxes.pins.T, axis=0, return_inverse=True)
+    return (boxes[which.ravel() == s] for s in range(len(strata_)))

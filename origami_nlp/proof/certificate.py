@@ -1,7 +1,7 @@
-"""A proof as a file: what was asked, the list, what stays open and what is proved, in JSON that others can read.
+"""What a proof says: states that are shown, and what is left; and the same as a file, in JSON that others can read.
 
-Schema ``origami-nlp/proof/2``: a ``scene``, the tables of a scene file, or a ``sheet``; all numbers are the doubles
-that were proved.  Nothing in a file is evaluated.
+Schema ``origami-nlp/proof/2``: what was asked (a ``scene``, the tables of a scene file, or a ``sheet``), the list, what
+stays open and what is proved; all numbers are the doubles that were proved.  Nothing in a file is evaluated.
 """
 
 from __future__ import annotations
@@ -12,16 +12,157 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Pattern, Scene, in_plane
-from origami_nlp.proof.complete import prove_each
-from origami_nlp.proof.reduced import ReducedVertex
-from origami_nlp.proof.sheet_proof import as_sheet, prove_sheet
+from origami_nlp.proof.rows import Gap
 
 SCHEMA = "origami-nlp/proof/2"
 LARGEST = 1_000_000_000
 """Bytes of a file."""
+
+
+@dataclass(frozen=True, eq=False)
+class ProvedState:
+    """A critical point that exists, and is the only one near.
+
+    Attributes
+    ----------
+    fold_angles
+        Of all creases, [N] [rad]; an approximation in doubles.
+    radius
+        None of them differs by more [rad].
+    is_minimum
+        True: a minimum.  False: certainly none.  None: not decided, which is left to the judge of states.
+    index
+        Negative eigenvalues of the reduced Hessian on the stratum; None where unclear.
+    unique_radius
+        There is no other critical point of the stratum within this [rad].
+    stratum
+        Of variables, +1 or -1 at a limit, 0 for a free one, [n]; of a vertex, as all that follows.
+    moment
+        Multipliers of closure in the scene's units.  Without symmetry m with k_i (x_i - rest_i) = m . c_i on free
+        creases, in the frame of the facet between crease N and crease 1 (its crease 1 is e1, e3 up); with symmetry
+        those of the piece's equations (`pieces`).
+    pinned_signs
+        Sign of s_i (G_i - m . c_i): -1 where a closed crease pushes against its limit, +1 where it would leave, 0 where
+        unclear; 0 for free ones, [n].
+    touches
+        Gaps that are closed; full contact only.
+    forces
+        Multiplier of each, positive where it pushes, in the scene's units per unit of gap.
+    """
+
+    fold_angles: np.ndarray
+    radius: float
+    is_minimum: bool | None = True
+    index: int | None = 0
+    unique_radius: float = 0.0
+    stratum: tuple[int, ...] = ()
+    moment: tuple[float, ...] = ()
+    pinned_signs: tuple[int, ...] = ()
+    touches: tuple[Gap, ...] = ()
+    forces: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Fold angles between two states [N] [rad] in which something is left, and why.
+
+    Attributes
+    ----------
+    singular
+        Whether closure loses rank there.
+    alone
+        Whether it holds one critical point at most.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    reason: str
+    singular: bool = False
+    alone: bool = False
+
+
+@dataclass(frozen=True)
+class Proof:
+    """All critical points of a vertex, or all minima of a sheet, but for what is left.
+
+    Attributes
+    ----------
+    points
+        What is shown, of a vertex in order of energy.
+    regions
+        What is left.
+    boxes
+        Boxes of fold angles, or intervals of curves, that were looked at.
+    seconds
+        Processor time that it took.
+    over
+        Over which states the statement ranges, in words; "": all closed states that contact admits.
+    finished
+        Whether no box was left when it ended.
+    crossing
+        Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
+    """
+
+    points: tuple[ProvedState, ...]
+    regions: tuple[Region, ...]
+    boxes: int
+    seconds: float
+    over: str = ""
+    finished: bool = True
+    crossing: int = 0
+
+    @property
+    def minima(self) -> tuple[ProvedState, ...]:
+        """Those that are minima for certain."""
+        return tuple(p for p in self.points if p.is_minimum)
+
+    @property
+    def singular(self) -> tuple[Region, ...]:
+        """Regions where closure loses rank."""
+        return tuple(r for r in self.regions if r.singular)
+
+    @property
+    def undecided(self) -> tuple[Region, ...]:
+        """All other regions."""
+        return tuple(r for r in self.regions if not r.singular)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every critical point is known, and of each whether it is a minimum."""
+        return not self.regions and all(p.is_minimum is not None for p in self.points)
+
+
+@dataclass(frozen=True)
+class ProofOptions:
+    """How much a proof may look at.
+
+    Attributes
+    ----------
+    boxes
+        Boxes, or intervals of curves, after which it gives up: 10 million take about ten minutes.
+
+    Raises
+    ------
+    OptionError
+        If a field is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> vertex = o.Vertex.from_degrees((70, 80, 120, 90))
+    >>> scene = o.Scene(vertex, (1, 2, 3, 2), (1, -0.5, 0.3, 0.8), "none", "fold-limits")
+    >>> o.find_minima(scene, prove=o.ProofOptions(boxes=1)).completeness.status
+    'not-proved'
+    """
+
+    boxes: int = 10_000_000
+
+    def __post_init__(self) -> None:
+        check_whole("boxes", self.boxes, 1)
 
 
 @dataclass(frozen=True)
@@ -45,6 +186,23 @@ class StatedSheet:
     stiffness: tuple[Finite, ...]
     rest: tuple[Finite, ...]
     deviation: Finite
+
+    @classmethod
+    def of(cls, pattern: Pattern, deviation: float) -> StatedSheet:
+        """State a sheet, whose relations of sectors fail by so much at most [rad]."""
+        pattern.check_plain_hinges("the certificate of a sheet")
+        if len(pattern.polygons) != pattern.facets:
+            raise OptionError(
+                f"pattern = {pattern.title}: no certificate: a facet is of several pieces (F or J edges)"
+            )
+        return cls(
+            corners=tuple((x, y) for x, y in in_plane(pattern).tolist()),
+            facets=tuple(tuple(map(int, p)) for p in pattern.polygons),
+            creases=tuple((a, b) for a, b in pattern.ends.tolist()),
+            stiffness=tuple(pattern.stiffness.tolist()),
+            rest=tuple(pattern.rest.tolist()),
+            deviation=deviation,
+        )
 
 
 @dataclass(frozen=True)
@@ -93,64 +251,6 @@ class Certificate:
         both = [(one.lower, one.upper) for one in self.undecided]
         low, high = np.array(both).reshape(-1, 2, n).swapaxes(0, 1)
         return low, high
-
-
-def certify(origami: Scene | Pattern, boxes: int) -> Certificate:
-    """Prove the list of an origami within fold limits, in the form that is written to a file.
-
-    Parameters
-    ----------
-    origami
-        A scene, or a sheet of which `why_no_sheet` says nothing.
-    boxes
-        That a proof may take.
-
-    Returns
-    -------
-    Certificate
-        Of all windings of a scene.
-
-    Raises
-    ------
-    OptionError
-        If facets may touch, a facet is of several pieces, or a sheet has stops or hinge laws: the check knows none.
-    """
-    if isinstance(origami, Scene):
-        if origami.contact == "full":
-            raise OptionError(
-                "a certificate names no touches of facets: it is for contact = 'fold-limits'"
-            )
-        proof = prove_each([ReducedVertex(one) for one in origami.of_each_winding], boxes=boxes)
-        stated: dict[str, Any] = {"scene": origami}
-    else:
-        stated = {"sheet": _stated(origami)}
-        proof = prove_sheet(origami, boxes=boxes)
-    return Certificate(
-        proof.over or "all closed states within fold limits",
-        tuple(CertifiedState(tuple(m.fold_angles.tolist()), m.radius) for m in proof.minima),
-        tuple(
-            OpenRegion(tuple(r.lower.tolist()), tuple(r.upper.tolist()), r.reason)
-            for r in proof.regions
-        ),
-        **stated,
-    )
-
-
-def _stated(pattern: Pattern) -> StatedSheet:
-    pattern.check_plain_hinges("the certificate of a sheet")
-    if len(pattern.polygons) != pattern.facets:
-        raise OptionError(
-            f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
-        )
-    sheet, _ = as_sheet(pattern)
-    return StatedSheet(
-        corners=tuple((x, y) for x, y in in_plane(pattern).tolist()),
-        facets=tuple(tuple(map(int, p)) for p in pattern.polygons),
-        creases=tuple((a, b) for a, b in pattern.ends.tolist()),
-        stiffness=tuple(pattern.stiffness.tolist()),
-        rest=tuple(pattern.rest.tolist()),
-        deviation=sheet.deviation if sheet else 0.0,
-    )
 
 
 def write_certificate(certificate: Certificate, target: str | Path) -> None:

@@ -36,14 +36,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.proof.boxes import Boxes, prune
-from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.pieces import ReducedVertex, piece_of
 from origami_nlp.proof.rows import (
     SECTORS,
     TRIGONOMETRIC,
     UNIT,
     Affine,
-    joined_rows,
+    joined,
     number,
     variables,
 )
@@ -209,7 +208,7 @@ class ClosedDirections:
             if at is not None:  # else it is divided by r
                 here = number(np.full((1, middle.shape[1]), at), 64 * UNIT, self.size)
                 twins[k_th] = (r * twins[k_th]).mapped(np.array([[self.radius]])) + here
-        rows = joined_rows(
+        rows = joined(
             [
                 *(row.affine() for row in twins),
                 u.mapped(self.vertex.b.T).affine(),

@@ -26,7 +26,7 @@ import numpy as np
 from flint import arb, arb_series
 
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.proof.result import ProvedState, Region
+from origami_nlp.proof.certificate import ProvedState, Region
 from origami_nlp.proof.sheets import (
     TERMS,
     Budget,
@@ -99,6 +99,10 @@ class FoldingSheet:
                 multipliers[sign] = sign_of(turn), ratio
         rows = self.row[one.creases[0]], self.row[one.creases[1]]
         return Cross(one.creases, rows, (straight[0], straight[1]), multipliers)
+
+    def search(self, budget: Budget) -> ProductSearch:
+        """Return what goes through its closed states."""
+        return ProductSearch(self, budget)
 
     @property
     def kinds(self) -> Iterator[tuple[int, ...]]:

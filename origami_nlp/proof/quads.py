@@ -28,8 +28,9 @@ in common: such folds are one number here, and a loop that asks for nothing else
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,9 +38,8 @@ from flint import arb, arb_series
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.result import ProvedState, Region
+from origami_nlp.proof.certificate import ProvedState, Region
 from origami_nlp.proof.sheets import (
-    DEPTH,
     TERMS,
     Budget,
     Equal,
@@ -47,6 +47,7 @@ from origami_nlp.proof.sheets import (
     Look,
     VertexRound,
     closer,
+    halved,
     least,
     sign_of,
     state_of,
@@ -89,6 +90,10 @@ class QuadSheet:
     vertices: list[QuadVertex]
     deviation: float
     folds_flat = False
+
+    def search(self, budget: Budget) -> QuadSearch:
+        """Return what goes through its closed states."""
+        return QuadSearch(self, budget)
 
     def signs(self, modes: Sequence[int]) -> dict[int, int] | None:
         """Return the signs of folds of the first vertices in these modes; None where they contradict each other."""
@@ -401,7 +406,7 @@ class QuadSearch:
         if modes:
             links = Modes(self.quads, modes, self.drive, signs)
             if links.loops:
-                left = list(self._closing(links, left))
+                left = self._closing(links, left)
         if not whole:
             for mode in (1, -1) if left else ():
                 self._choose((*modes, mode), left)
@@ -430,31 +435,19 @@ class QuadSearch:
                 else:
                     self._leave(links, side, low, high, "the fold angles of a minimum")
 
-    def _closing(
-        self, links: Modes, left: list[tuple[float, float]]
-    ) -> Iterator[tuple[float, float]]:
-        """Yield the smallest intervals in which loops may close, those that meet as one."""
-        front = [(low, high, 0) for low, high in reversed(left)]
-        last: tuple[float, float] | None = None
-        while front:
-            low, high, depth = front.pop()
-            over = self.budget.spent()
-            if self._none(links, low, high):
-                continue
-            middle = 0.5 * (low + high)
-            if not (over or depth == DEPTH or middle in (low, high)):
-                front += [(middle, high, depth + 1), (low, middle, depth + 1)]
-            elif last is not None and last[1] == low:
-                last = last[0], high
-            else:
-                if last is not None:
-                    yield last
-                last = low, high
-        if last is not None:
-            yield last
+    def _closing(self, links: Modes, left: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Return the smallest intervals in which loops may close, those that meet as one."""
+        found = list[tuple[float, float]]()
+        for ends in left:
+            for low, high, none in halved(partial(self._none, links), *ends, self.budget):
+                if not none and found and found[-1][1] == low:
+                    found[-1] = found[-1][0], high
+                elif not none:
+                    found.append((low, high))
+        return found
 
-    def _none(self, links: Modes, low: float, high: float) -> bool:
-        """Return whether no state closes in an interval."""
+    def _none(self, links: Modes, low: float, high: float) -> bool | None:
+        """Return whether no state closes in an interval; None where that is not known."""
         theta = arb(low).union(arb(high))
         at, zs = links.states(theta.mid()), links.states(theta)
         if zs is None:
@@ -463,7 +456,7 @@ class QuadSearch:
         if at is not None:
             both = zip(off, links.loops, strict=True)
             off = [narrowed(x, _differ(at, one), theta - theta.mid()) for x, one in both]
-        return any(sign_of(x[0]) for x in off)
+        return any(sign_of(x[0]) for x in off) or None
 
     def _leave(
         self, links: Modes, side: int, low: float, high: float, why: str, alone: bool = False

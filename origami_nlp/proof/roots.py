@@ -42,9 +42,8 @@ import numpy as np
 
 from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
 from origami_nlp.proof.boxes import WIDER, Boxes
-from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import Gap, ReducedVertex
-from origami_nlp.proof.rows import CREASE, TINY, UNIT, Triples, pairs
+from origami_nlp.proof.pieces import ReducedVertex, piece_of
+from origami_nlp.proof.rows import CREASE, TINY, UNIT, Gap, Triples, pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +114,8 @@ class BoxKkt:
     def __init__(self, vertex: ReducedVertex, gaps: tuple[Gap, ...] = ()) -> None:
         self.piece = piece = piece_of(vertex)
         chain = piece.chain
-        self.n, self.equations = vertex.size, piece.pivots
-        self.m = piece.pivots + len(gaps)
+        self.n, self.equations = vertex.size, piece.rank
+        self.m = piece.rank + len(gaps)
         self.k, self.rest = vertex.problem.parameters.stiffness, piece.rest
         self.gaps = Triples(chain, [chain.closed(*g.rays, kind=g.kind) for g in gaps])
         self.sines = np.array(
@@ -207,10 +206,8 @@ STEPS = 10
 end."""
 FAR = 0.05
 """A root further from its box than this [rad] is none of it."""
-SHARES = (1.0, 0.3, 0.1, 0.03)
-"""Sides of the uniqueness box in multipliers that are tried, over what these move with x; the widest box is taken."""
-
-
+SHARE = 0.3
+"""Sides of the uniqueness box in multipliers, over what these move at most with x."""
 TRIED = 0.3 * 2.0 ** (-0.25 * np.arange(192))
 """Sides of boxes round roots [rad]: in the widest half chains turn by less than pi / 2."""
 
@@ -278,9 +275,7 @@ def newton(
     return x, lam, alive & (last < DUPLICATE_TOL) & system.closes(x)
 
 
-def certify(
-    system: BoxKkt, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
-) -> tuple[Roots, np.ndarray]:
+def certify(system: BoxKkt, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> Roots:
     """Certify zeros of the KKT system.
 
     Parameters
@@ -292,10 +287,8 @@ def certify(
 
     Returns
     -------
-    roots : Roots
+    Roots
         Those that exist, and are the only ones near.
-    which : numpy.ndarray
-        Their numbers among the K.
     """
     n, m = system.n, system.m
     at = system.at(x, lam, pins)
@@ -308,23 +301,17 @@ def certify(
     rest = np.abs(np.eye(n + m) - y @ at.jacobian) + reach @ at.doubt()
     rest += 4 * (n + m + 4) * UNIT * (reach @ np.abs(at.jacobian))
     rows = np.concatenate([free, np.ones((len(x), m), bool)], axis=1)
-    ratio = _lean(at)
-    smallest, largest, lean = np.full(len(x), np.inf), np.zeros(len(x)), ratio
-    for share in SHARES:
-        mu = share * ratio
-        rho = np.concatenate([np.where(free, 1.0, 0.0), mu[:, None] + np.zeros((1, m))], axis=1)
-        # wrong + rest rho t + (reach change rho) t^2 < rho t, row by row; rows of pinned variables are exact
-        a = (reach @ at.change(mu) @ rho[:, :, None])[:, :, 0]
-        b = rho - (rest @ rho[:, :, None])[:, :, 0]
-        low, high = _between(a, b, wrong, rows)
-        better = (low < high) & (high > largest)
-        smallest, largest = np.where(better, low, smallest), np.where(better, high, largest)
-        lean = np.where(better, mu, lean)
+    lean = _lean(at)
+    rho = np.concatenate([np.where(free, 1.0, 0.0), lean[:, None] + np.zeros((1, m))], axis=1)
+    # wrong + rest rho t + (reach change rho) t^2 < rho t, row by row; rows of pinned variables are exact
+    a = (reach @ at.change(lean) @ rho[:, :, None])[:, :, 0]
+    b = rho - (rest @ rho[:, :, None])[:, :, 0]
+    smallest, largest = _between(a, b, wrong, rows)
     which = np.flatnonzero(sound & (smallest < largest))
     index = _index(system, at, free, smallest, lean, which)
     signs = _signs(system, at, pins, smallest, lean)
     roots = Roots(x, lam, pins, smallest, largest, lean * largest, index, signs)
-    return roots[which], which
+    return roots[which]
 
 
 def _inverse(matrices: np.ndarray) -> np.ndarray:
@@ -346,9 +333,9 @@ def _between(
 
 
 def _lean(at: BoxDerivatives) -> np.ndarray:
-    """Ratio of the sides of a box in multipliers and in x: twice what the former move where x moves by 1 (`holds`)."""
+    """Ratio of the sides of a box in multipliers and in x: a share of twice what those move by (`holds`)."""
     p, move, _ = _levers(at)
-    return 2.0 * (p @ move[:, :, None])[:, :, 0].max(axis=1)
+    return 2.0 * SHARE * (p @ move[:, :, None])[:, :, 0].max(axis=1)
 
 
 def _levers(at: BoxDerivatives) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -399,33 +386,14 @@ def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
     return out
 
 
-def joined_roots(parts: list[Roots]) -> Roots:
-    """Return roots of several parts, in order."""
-    names = Roots.__dataclass_fields__
-    return Roots(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
-
-
-def different(roots: Roots, known: int = 0) -> Roots:
-    """Return one of all that are the same: of one stratum, one within the uniqueness box of the other.
-
-    Parameters
-    ----------
-    roots
-        Certified.
-    known
-        So many, the first ones, are different already.
-
-    Returns
-    -------
-    Roots
-        The first of each.
-    """
+def different(roots: Roots) -> Roots:
+    """Return the first of all that are the same: of one stratum, one within the uniqueness box of the other."""
     kept = np.zeros(len(roots), dtype=bool)
     for i in range(len(roots)):
         same = kept[:i] & (roots.pins[:i] == roots.pins[i]).all(axis=1)
         near = np.abs(roots.x[:i] - roots.x[i]).max(axis=1, initial=0.0) + roots.radius[i]
         # two certified zeros in one box of uniqueness are one
-        kept[i] = i < known or not (same & (near < roots.unique[:i])).any()
+        kept[i] = not (same & (near < roots.unique[:i])).any()
     return roots[np.flatnonzero(kept)]
 
 

@@ -37,7 +37,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -55,6 +55,10 @@ SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
 CREASE = 40 * UNIT
 """By how much a fold and a sector in doubles may turn a unit vector away."""
+
+
+Batch = TypeVar("Batch")
+"""A record of arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +98,10 @@ def padded(
     return Affine(centre, slopes, error * SLIGHTLY + (2 * (terms + 4) * UNIT) * total + TINY)
 
 
-def joined_rows(parts: Sequence[Affine]) -> Affine:
-    """Return rows one after the other."""
-    names = ("centre", "slopes", "error")
-    return Affine(*(np.concatenate([getattr(p, v) for p in parts]) for v in names))
+def joined(parts: Sequence[Batch], axis: int = 0) -> Batch:
+    """Return records of arrays as one, in order."""
+    fields = zip(*(vars(p).values() for p in parts), strict=True)
+    return type(parts[0])(*(np.concatenate(each, axis) for each in fields))
 
 
 def variables(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -212,6 +216,29 @@ def number(value: np.ndarray, rest: float, n: int) -> Quadratic:
     return Quadratic(value, *none, np.full(value.shape, rest))
 
 
+@dataclass(frozen=True)
+class Gap:
+    """What closes where a ray touches.
+
+    Attributes
+    ----------
+    kind
+        ``facet``: ray k on the facet from ray j; ``start``, ``end``: ray k on the plane of that mirror; ``meet``:
+        rays 0 and 3 of a D_1 wedge, in the plane of its mirrors, on each other: 3 on facet 0, or 0 on facet 2.
+    rays
+        (k, j), or (k,).
+    """
+
+    kind: str
+    rays: tuple[int, ...]
+
+    @property
+    def text(self) -> str:
+        """Which it is, 1-based."""
+        k, *j = self.rays
+        return f"ray {k + 1} on {f'facet {j[0] + 1}' if j else 'a mirror'}"
+
+
 @dataclass(frozen=True, eq=False)
 class Folded:
     """A chain at the middle of K boxes.
@@ -299,14 +326,11 @@ class Chain:
         z = self.steps + j
         return [(z, j + 1, k), (j, z, k)] if k > j else [(k, j, z), (k, z, j + 1)]
 
-    def behind(self, k: int, side: int) -> tuple[int, int, int]:
-        """Return those of ray k off the first mirror (side 0) or the last."""
-        e = self.steps - 1
-        return (k, e, self.steps + e) if side else (self.up, 0, k)
-
     def closed(self, k: int, j: int = -1, *, kind: str) -> tuple[int, int, int]:
-        """Return those of a gap (`reduced.Gap`)."""
-        return self.behind(k, int(kind == "end")) if j < 0 else self.gap(*self.shortest(k, j))
+        """Return those of a gap (`touches.Gap`): off a facet, or off the first mirror or the last."""
+        e = self.steps - 1
+        off_mirror = (k, e, self.steps + e) if kind == "end" else (self.up, 0, k)
+        return off_mirror if j < 0 else self.gap(*self.shortest(k, j))
 
     def fold(self, middle: np.ndarray, half: np.ndarray) -> Folded:
         """Fold at the middle [n, K] of boxes of half widths [n, K] [rad]."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from flint import arb, ctx
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern, laid_flat
-from origami_nlp.proof.result import ProvedState
+from origami_nlp.proof.certificate import ProvedState
 from origami_nlp.proof.rows import UNIT
 
 BITS = 128
@@ -238,7 +239,8 @@ def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = F
     """Find where the energy of a curve is least between two numbers, from 0 on where U' is 0 there, if it `rests`."""
     found = Least()
     pieces: list[CurvePiece] = []
-    for one in _pieces(curve, low, high, budget):
+    for a, b, piece in halved(partial(_piece, curve), low, high, budget):
+        one = CurvePiece(a, b, OPEN) if piece is None else piece
         if pieces and pieces[-1].joins(one):
             pieces[-1] = pieces[-1]._replace(high=one.high)
         else:
@@ -263,17 +265,16 @@ def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = F
     return found
 
 
-def _pieces(curve: Curve, low: float, high: float, budget: Budget) -> Iterator[CurvePiece]:
+def halved(
+    judge: Callable[[float, float], Any], low: float, high: float, budget: Budget
+) -> Iterator[tuple[float, float, Any]]:
+    """Cut an interval until each part is judged, in order; None of those that are too small, or too many."""
     front = [(low, high, 0)]
     while front:
         a, b, depth = front.pop()
-        over = budget.spent()
-        piece = _piece(curve, a, b)
-        middle = 0.5 * (a + b)
-        if piece is not None:
-            yield piece
-        elif over or depth == DEPTH or middle in (a, b):
-            yield CurvePiece(a, b, OPEN)
+        over, found, middle = budget.spent(), judge(a, b), 0.5 * (a + b)
+        if found is not None or over or depth == DEPTH or middle in (a, b):
+            yield a, b, found
         else:
             front += [(middle, b, depth + 1), (a, middle, depth + 1)]
 

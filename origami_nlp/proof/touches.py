@@ -49,17 +49,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
+from origami_nlp.numerics import INPUT_TOL, OUTSIDE, RESOLVED, SUMMED
 from origami_nlp.proof.boxes import Boxes, BoxProblem, strata
-from origami_nlp.proof.pieces import Piece, piece_of
-from origami_nlp.proof.reduced import Gap, ReducedVertex
+from origami_nlp.proof.pieces import Piece, ReducedVertex, piece_of
 from origami_nlp.proof.rows import (
     UNIT,
     Affine,
     Chain,
+    Gap,
     Quadratic,
     Triples,
-    joined_rows,
+    joined,
     number,
     variables,
 )
@@ -96,7 +96,7 @@ class TouchedPiece:
         self.gaps, self.refused, self.slopes, self.met = (
             Triples(chain, some) for some in (gaps, refused, slopes, met)
         )
-        many = piece.pivots + len(touches) + 1
+        many = piece.rank + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
 
     def rows(
@@ -124,7 +124,7 @@ class TouchedPiece:
             for column in self.columns:
                 base = expanded(base, {v: slopes[i] for v, i in column.items()}, self.size)
             rows += [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
-        every = joined_rows(rows)
+        every = joined(rows)
         asked = np.ones(every.centre.shape, dtype=bool)
         for i, s in enumerate(self.subsets, start=len(asked) - len(self.subsets)):
             asked[i] = (pins == 0)[list(s)].all(axis=0)
@@ -142,7 +142,7 @@ def _rows(chain: Chain, touch: Gap) -> tuple[list[Three], list[Three], dict[int,
     steps = range(k + 1, chain.steps) if touch.kind == "end" else range(k)
     ends = (k, chain.last) if touch.kind == "end" else (chain.up if meets else chain.first, k)
     slope = {int(chain.variable[i]): (ends[0], i, ends[1]) for i in steps if chain.folds[i]}
-    gap = (chain.first, 0, 3) if meets else chain.behind(k, int(touch.kind == "end"))
+    gap = (chain.first, 0, 3) if meets else chain.closed(k, kind=touch.kind)
     return [gap], [], slope
 
 
@@ -188,9 +188,41 @@ class ContactStratum:
     start: Boxes
 
 
+def gaps_of(vertex: ReducedVertex) -> tuple[list[Gap], list[tuple[int, int]]]:
+    """Return what may touch, and pairs of facets that may cross, by their first rays."""
+    rays, n = len(vertex.has_crease), vertex.scene.degree
+    if vertex.kind == "C":
+        every = ((i, j) for i in range(n) for j in range(i + 2, min(n, i + n - 1)))
+        pairs = [pair for pair in every if can_cross(vertex, *pair)]
+        ends = ((k % n, j) for one in pairs for i, j in (one, one[::-1]) for k in (i, i + 1))
+        # beside a facet a ray lies in its plane where the crease between is closed
+        far = [one for one in dict.fromkeys(ends) if 3 <= (one[0] - one[1]) % n <= n - 2]
+        return [Gap("facet", one) for one in far], pairs
+    if vertex.order > 1:  # a mirror ray stays on its own side of the axis
+        return [Gap("end", (0,)), Gap("start", (rays - 1,))], []
+    creases = [ray.crease for ray in vertex.scene.group.rays]
+    if rays == 4 and None not in creases and can_cross(vertex, creases[0], creases[2]):  # type: ignore[arg-type]
+        return [Gap("meet", (3, 0)), Gap("meet", (0, 2))], [(0, 2)]
+    return [], []
+
+
+def can_cross(vertex: ReducedVertex, i: int, j: int) -> bool:
+    """Return whether facets i and j (from 0) of a vertex could ever cross.
+
+    A common point splits the polygon into two closed loops.  Each closes only if the parts of the two facets that
+    belong to it bridge what the longest sector between them has over the others; both share sectors i and j.
+    """
+    sector_angles = vertex.scene.vertex.sector_angles
+    n = len(sector_angles)
+    ways = range(i + 1, i + (j - i) % n), range(j + 1, j + (i - j) % n)
+    chains = [[sector_angles[m % n] for m in way] for way in ways]
+    missing = sum(max(0.0, 2 * max(chain) - sum(chain)) for chain in chains)
+    return missing < sector_angles[i] + sector_angles[j] - OUTSIDE
+
+
 def why_no_touches(vertex: ReducedVertex) -> str:
     """Return why touches of a vertex are not proved here; "" where they are."""
-    rays, sectors = len(vertex.has_crease), vertex.sectors
+    rays, sectors, (gaps, _) = len(vertex.has_crease), vertex.sectors, gaps_of(vertex)
     if max(vertex.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
     if vertex.kind == "C" and vertex.order > 1:
@@ -199,10 +231,10 @@ def why_no_touches(vertex: ReducedVertex) -> str:
         fits = rays == 3 or (vertex.order == 1 and rays == 4 and all(vertex.has_crease))
         # between equal sectors a crease that is fully folded puts its neighbours on each other, and closes gaps
         equal = vertex.order > 1 and fits and bool(abs(sectors[0] - sectors[1]) <= SUMMED)
-        if not fits or equal or (vertex.gaps and vertex.scene.limits):
+        if not fits or equal or (gaps and vertex.scene.limits):
             with_stops = " with stops" * bool(vertex.scene.limits) + " of equal sectors" * equal
             return f"touches of a {vertex.problem.symmetry} wedge of {rays} rays{with_stops} are not proved"
-    if vertex.gaps and vertex.dof > 2:
+    if gaps and vertex.dof > 2:
         return f"{vertex.dof} degrees of freedom: touches are proved for at most 2"
     return ""
 
@@ -230,7 +262,7 @@ def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
 def _sets(vertex: ReducedVertex) -> Iterator[tuple[Gap, ...]]:
     """Sets of gaps that may be closed at once; of a wedge one: both are a crease fully folded between equal sectors."""
     for count in range(1, vertex.dof + 1 if vertex.kind == "C" else 2):
-        for touches in itertools.combinations(vertex.gaps, count):
+        for touches in itertools.combinations(gaps_of(vertex)[0], count):
             if not _on_each_other(vertex, touches):
                 yield touches
 
@@ -301,9 +333,10 @@ def separation(
     off = dict(zip(apart, known, strict=True))
     level = np.zeros(len(x), dtype=int)
     found = [level + APART]
-    walls = [g for g in vertex.gaps if g.kind in ("start", "end") and g not in touches]
+    gaps, pairs = gaps_of(vertex)
+    walls = [g for g in gaps if g.kind in ("start", "end") and g not in touches]
     found += [*signs([chain.closed(*g.rays, kind=g.kind) for g in walls])]
-    for i, j in vertex.pairs:
+    for i, j in pairs:
         ends = {(a, b) for k, b in ((i, j), (j, i)) for a in (k, (k + 1) % n)}
         if any(t.kind == "meet" or t.rays in ends for t in touches):
             continue

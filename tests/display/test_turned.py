@@ -63,8 +63,9 @@ def test_states_on_the_page_are_those_of_the_package(page: str, result: MinimaRe
     for station, m in zip(data["stations"], result.minima, strict=True):
         corners = np.array(station["corners"])
         rays, _ = fold_vertex(result.scene.vertex, np.array(m.fold_angles))
-        turn = rotation_onto(corners[1:], rays)
-        assert np.abs(corners[1:] @ turn.T - rays).max() <= 1e-12 and not corners[0].any()
+        ends = corners[1 : len(rays) + 1]  # beyond these are corners of the border
+        turn = rotation_onto(ends, rays)
+        assert np.abs(ends @ turn.T - rays).max() <= 1e-12 and not corners[0].any()
         assert station["energy"] == m.energy and f"{m.energy:.6g} J" in station["title"]
         # facets and creases of the body are so numbered that the corners alone give the fold angles back
         for crease, phi in zip(data["body"]["creases"], m.fold_angles, strict=True):
@@ -99,7 +100,7 @@ def test_a_descent_is_a_path_of_admissible_states(page: str, result: MinimaResul
         for state, step in zip(track["states"], stored, strict=True):
             assert check_admissible(result.scene.vertex, np.array(step.fold_angles)).admissible
             rays, _ = fold_vertex(result.scene.vertex, np.array(step.fold_angles))
-            corners = np.array(state["corners"])[1:]
+            corners = np.array(state["corners"])[1 : len(rays) + 1]
             assert np.abs(corners @ corners.T - rays @ rays.T).max() < 1e-5  # turned as a whole
             assert np.linalg.det(rotation_onto(rays, corners)) == pytest.approx(1)
 

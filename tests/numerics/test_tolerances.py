@@ -90,9 +90,9 @@ BESIDE_THE_TABLE = {
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
         proof/boxes.WIDER proof/boxes.EXACT
-        proof/complete.LOW proof/complete.NEAR
-        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES
-        proof/boxes.SMALLEST proof/complete.SMALLER proof/complete.BESIDE
+        proof/proving.LOW
+        proof/flat.NARROW proof/flat.RADII proof/roots.FAR
+        proof/boxes.SMALLEST proof/proving.BESIDE proof/proving.WIDTHS
         proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
         proof/vertex_check.NARROW proof/vertex_check.BESIDE proof/vertex_check.ONE_LINE
         proof/vertex_check.WIDER proof/vertex_check.NEAR_FLAT

@@ -10,8 +10,9 @@ from benchmarks import family_scene
 from origami_nlp import find_minima
 from origami_nlp.pattern import examples
 from origami_nlp.proof import ReducedVertex, prove
-from origami_nlp.proof.boxes import joined, prune, strata
-from origami_nlp.proof.complete import pose
+from origami_nlp.proof.boxes import prune, strata
+from origami_nlp.proof.proving import pose
+from origami_nlp.proof.rows import joined
 from tests.closed_states import closed_states
 from tests.computed_once import thinned
 
@@ -52,7 +53,7 @@ def test_no_closed_state_is_excluded_by_closure(name):
     pins = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
     assert len({tuple(p) for p in pins}) >= 5
     left = prune(ClosureOnly(pose(model)[0]), strata(model.size), small=0.2, most=200_000)
-    boxes = joined([left.candidates, left.open])
+    boxes = joined([left.candidates, left.open], -1)
     # how much was excluded: else nothing is shown
     whole = strata(model.size).widths[:, 0].prod()
     assert boxes.widths[:, (boxes.pins == 0).all(axis=0)].prod(axis=0).sum() < 0.1 * whole

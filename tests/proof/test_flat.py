@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 from benchmarks import family_scene
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.proof import ReducedVertex, complete, prove
+from origami_nlp.proof import ReducedVertex, prove, proving
 from origami_nlp.proof.flat import ClosedDirections, Flat, FlatVertex, flat_lemma, no_minimum
 from origami_nlp.proof.pieces import piece_of
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
@@ -135,7 +135,7 @@ def test_symmetric_flat_states_are_alone_as_a_proof_without_the_lemma_finds(monk
     lemma = flat_lemma(posed(scene))
     assert lemma.radius >= 1e-3 and lemma.minimum is False
     proof = prove(ReducedVertex(scene.of_one_winding))
-    monkeypatch.setattr(complete, "flat_lemma", lambda *given: Flat(0.0, 0, None))
+    monkeypatch.setattr(proving, "flat_lemma", lambda *given: Flat(0.0, 0, None))
     other = prove(ReducedVertex(scene.of_one_winding))
     strata = (sorted(p.stratum for p in one.points) for one in (proof, other))
     assert next(strata) == next(strata)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.proof import ReducedVertex, boxes, complete, flat, pieces, prove, roots, rows
+from origami_nlp.proof import ReducedVertex, boxes, flat, pieces, prove, proving, roots, rows
 from tests.computed_once import shared
 from tests.independent.scan_four import minima
 from tests.pattern_states.test_completeness import generic
@@ -56,31 +56,33 @@ def test_unbroken_provers_agree_with_the_scan(name):
 
 
 def without_a_stratum(patch):
-    true = complete.strata
+    true = proving.strata
 
     def some(n, limits=None):
         every = true(n, limits)
         return every[(every.pins != 0).any(axis=0)]
 
-    patch.setattr(complete, "strata", some)
+    patch.setattr(proving, "strata", some)
 
 
 def without_limits(patch):
-    true = complete.strata
+    true = proving.strata
 
     def some(n, limits=None):
         every = true(n, limits)
         return every[(every.pins == 0).all(axis=0)]
 
-    patch.setattr(complete, "strata", some)
+    patch.setattr(proving, "strata", some)
 
 
 def with_a_sign_of_minors_wrong(patch):
-    def expansion(column, of, which, where):
-        terms = [column[w] * of[o] for w, o in zip(which.T, where.T, strict=True)]
+    def minors(self, folded, torques):
+        slopes = self.slopes(folded)
+        pairs = zip(self.subsets.T, self.without.T, strict=True)
+        terms = [torques[w] * slopes[o] for w, o in pairs]
         return sum(terms[1:], terms[0])
 
-    patch.setattr(pieces, "expansion", expansion)
+    patch.setattr(pieces.Piece, "minors", minors)
 
 
 def with_half_of_the_loop_turned_the_other_way(patch):
@@ -113,11 +115,11 @@ def with_boxes_contracted_too_far(patch):
 
 
 def with_a_flat_state_that_is_alone_too_far(patch):
-    patch.setattr(complete, "flat_lemma", lambda vertex: flat.Flat(1.0, 1, False))
+    patch.setattr(proving, "flat_lemma", lambda vertex: flat.Flat(1.0, 1, False))
 
 
 def with_boxes_that_are_said_to_hold_a_root(patch):
-    patch.setattr(complete, "holds", lambda system, found, small: np.zeros(len(small), dtype=int))
+    patch.setattr(proving, "holds", lambda system, found, small: np.zeros(len(small), dtype=int))
 
 
 def with_signs_at_limits_wrong(patch):
@@ -160,6 +162,6 @@ def test_a_touch_left_out_is_seen(monkeypatch):
     from benchmarks import family_scene
 
     scene = family_scene("full-contact", 11)
-    monkeypatch.setattr(complete, "contact_strata", lambda model: ())
+    monkeypatch.setattr(proving, "contact_strata", lambda model: ())
     found = o.find_minima(scene, prove=False, escape=False).minima
     assert len(prove(ReducedVertex(scene)).minima) < len(found)

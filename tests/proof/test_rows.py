@@ -10,8 +10,8 @@ from mpmath import mp, mpf
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples, winding_number
 from origami_nlp.proof import ReducedVertex
-from origami_nlp.proof.complete import pose
-from origami_nlp.proof.pieces import Period, VertexPiece, Wedge, apart, piece_of
+from origami_nlp.proof.pieces import OneMirror, Period, VertexPiece, Wedge, apart, piece_of
+from origami_nlp.proof.proving import pose
 from origami_nlp.proof.rows import Quadratic, Triples, pairs, variables
 from tests.closed_states import closed_states
 from tests.proof.fifty_digits import cross, dot, multiply
@@ -105,7 +105,7 @@ class Exact:
             return [u - v for u, v in zip(multiply(a, b0), back, strict=True)]
         if isinstance(piece, Period):
             return [self.product(range(n), True)[0] - piece.level]
-        if piece.order > 1:
+        if not isinstance(piece, OneMirror):
             return [dot(self.vectors[-3], self.vectors[-2]) + piece.level]
         at = piece.rays[n // 2]
         off = [u - v for u, v in zip(self.vectors[-3], self.vectors[-2], strict=True)]
@@ -119,20 +119,13 @@ class Exact:
         piece = self.piece
         if isinstance(piece, Period):
             n = piece.size
-            t = [-self.product(range(i, i + n), True)[1] for i in range(n)]
+            t = [self.product(range(i, i + n), True)[1] for i in range(n)]
         else:
             t = self.triples()
-        if isinstance(piece, VertexPiece):
-            of, signs = piece.without.tolist(), (1, -1, 1, -1)
-        elif isinstance(piece, Wedge) and piece.order == 1:
-            place = {pair: i for i, pair in enumerate(piece.pairs)}
-            of = [[place[j, k], place[i, k], place[i, j]] for i, j, k in piece.subsets.tolist()]
-            signs = (1, -1, 1)
-        else:
-            of, signs = [s[::-1] for s in piece.subsets.tolist()], (1, -1)
+        place = {s: i for i, s in enumerate(itertools.combinations(range(piece.size), piece.rank))}
         return [
-            sum(s * torque[i] * t[k] for s, i, k in zip(signs, rows, which, strict=True))
-            for rows, which in zip(piece.subsets.tolist(), of, strict=True)
+            sum((-1) ** a * torque[i] * t[place[s[:a] + s[a + 1 :]]] for a, i in enumerate(s))
+            for s in itertools.combinations(range(piece.size), piece.rank + 1)
         ]
 
 
@@ -144,7 +137,7 @@ def values(form, xi):
 
 def forms(piece, middle, half):
     folded, torques = piece.chain.fold(middle, half), piece.torques(middle, half)
-    if isinstance(piece, Wedge) and piece.order == 1:
+    if isinstance(piece, OneMirror):
         closure = piece.normals_apart(folded)
     else:
         closure = piece.closure(folded)
@@ -184,7 +177,7 @@ def test_what_is_allowed_for_rounding_is_more_than_it_is(name, size):
     rng, n = np.random.default_rng(1), piece.size
     middle = rng.uniform(-size, size, (n, 5))
     rows, chain = forms(piece, middle, 0 * middle), piece.chain
-    touching = [chain.up, 0, chain.last], *(chain.behind(1, side) for side in (0, 1))
+    touching = [chain.up, 0, chain.last], *(chain.closed(1, kind=kind) for kind in ("start", "end"))
     if isinstance(piece, VertexPiece):
         ways = chain.ways(3, 0)
         touching = [t for w in ways for t in (chain.gap(*w), *chain.inside(*w))]
@@ -245,7 +238,7 @@ def test_rows_vanish_where_the_model_closes_and_balances(name):
     assert (np.abs(centre[:count]) < 1e-12).all()
     rows = model.problem.constraints(x)[1]
     # combinations that are independent there: the others depend on them
-    turn = np.linalg.svd(rows)[0][:, :, : piece.pivots]
+    turn = np.linalg.svd(rows)[0][:, :, : piece.rank]
     jacobian = turn.transpose(0, 2, 1) @ rows
     p = model.problem.parameters
     factor = np.ones(model.size)

@@ -13,8 +13,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import ReducedVertex, prove, why_not
 from origami_nlp.proof.pieces import VertexPiece
-from origami_nlp.proof.reduced import Gap
-from origami_nlp.proof.rows import variables
+from origami_nlp.proof.rows import Gap, variables
 from origami_nlp.proof.touches import APART, CROSSED, TouchedPiece, contact_strata, separation
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
@@ -135,62 +134,6 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     assert seen >= 5
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", thinned(["uneven", "touching"], 2))
-def test_points_with_touches_hold_in_50_digits(name):
-    """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
-    proof, scene = proof_of(name), SCENES[name]
-    total = sum(map(mpf, scene.vertex.sector_angles))
-    a = [mpf(v) * 2 * mp.pi / total for v in scene.vertex.sector_angles]
-    k, rest = list(map(mpf, scene.stiffness)), list(map(mpf, scene.rest_angles))
-    found = [p for p in proof.points if len(p.touches) == 1]
-    assert found
-    for point in found:
-        ray, j = point.touches[0].rays
-        free = [i for i in range(5) if not point.stratum[i]]
-        x = [
-            mpf(v) if not s else s * mp.pi
-            for v, s in zip(point.fold_angles, point.stratum, strict=True)
-        ]
-        sign = side_of(a, x, ray, j, point)
-
-        def residual(z, x=x, free=free, ray=ray, j=j):
-            y = list(x)
-            for i, v in zip(free, z[: len(free)], strict=True):
-                y[i] = v
-            m, nu = z[len(free) : len(free) + 3], z[len(free) + 3]
-            q, c = fold_quaternion(a, y)
-            w = gradient(c, ray, j, a)
-            balance = [k[i] * (y[i] - rest[i]) - dot(m, c[i]) - nu * w[i] for i in free]
-            return [*balance, *q[1:], height(c, ray, j, a)], c, m, nu, w
-
-        z = [x[i] for i in free] + list(map(mpf, point.moment)) + [sign * mpf(point.forces[0])]
-        for _ in range(8):
-            f = residual(z)[0]
-            step = mp.mpf(10) ** -25
-            columns = []
-            for i in range(len(z)):
-                shifted = list(z)
-                shifted[i] += step
-                columns.append(
-                    [(u - v) / step for u, v in zip(residual(shifted)[0], f, strict=True)]
-                )
-            delta = mp.lu_solve(mp.matrix(columns).T, mp.matrix(f))
-            z = [u - v for u, v in zip(z, delta, strict=True)]
-        f, c, m, nu, w = residual(z)
-        assert max(map(abs, f)) < mpf(10) ** -35
-        far = max(abs(u - x[i]) for u, i in zip(z, free, strict=False))
-        assert far <= point.radius < point.unique_radius
-        for i in range(5):
-            if point.stratum[i]:
-                left = point.stratum[i] * (k[i] * (x[i] - rest[i]) - dot(m, c[i]) - nu * w[i])
-                assert mp.sign(left) == point.pinned_signs[i]
-        if point.is_minimum is not None and sign:
-            assert abs(sign * nu - mpf(point.forces[0])) < 1e-6 * (1 + abs(nu))
-            wrong = sign * nu < 0 or 1 in point.pinned_signs or point.index
-            assert point.is_minimum == (not wrong)
-
-
 def height(c, k, j, a):
     """Gap of ray k off facet j."""
     return dot(cross(c[j], c[(j + 1) % 5]), c[k]) / mp.sin(a[j])
@@ -272,27 +215,6 @@ def test_one_dof_has_no_touches():
     one, all_ = ({tuple(p.fold_angles) for p in some.points} for some in (proof, limits))
     assert one <= all_
     assert len(proof.points) + proof.crossing == len(limits.points)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("turn", "way"), thinned([(2, -1), (2, 1), (0, -1)], 3))
-def test_labels_turned_and_reflected(touching, turn, way):
-    """Numbered from another crease, the other way round, and both: every day both."""
-    n = TOUCHING.degree
-    perm = [(turn + way * i) % n for i in range(n)]
-    arcs = perm if way == 1 else [(i - 1) % n for i in perm]
-    sectors = TOUCHING.vertex.sector_angles
-    scene = replace(
-        TOUCHING,
-        vertex=Vertex(tuple(sectors[i] for i in arcs)),
-        stiffness=tuple(TOUCHING.stiffness[i] for i in perm),
-        rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
-    )
-    proof = prove(ReducedVertex(scene))
-    x = np.array([p.fold_angles for p in proof.points])
-    y = np.array([p.fold_angles for p in touching.points])[:, perm]
-    assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
-    assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
 
 
 @pytest.mark.parametrize("number", thinned([9, 2, 4, 16, 8], 3))

@@ -9,7 +9,6 @@ const CREASES = {mountain: {color: 0xc1121f, linewidth: 4.5}, valley: {color: 0x
   "not folded": {color: 0x777777, linewidth: 1.5}};
 const MOST_NUMBERED = 40;  // creases whose numbers can be read
 const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain" : "valley";
-const ARC = Math.PI / 24;
 const ALONE = location.hash === "#turning";
 const SPEED = ALONE && !matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.3 : 0;  // of turning by itself [rad/s]
 const BY_KEY = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
@@ -30,17 +29,7 @@ const degrees = a => minus((a * 180 / Math.PI).toFixed(1).replace(/^-0\.0$/, "0.
 
 // ---------------------------------------------------------------- a folded body
 
-function outline(state, facet) {  // corners of a facet; a sector's far side is an arc about its first corner
-  const p = facet.map(k => state.corners[k]);
-  if (!scene.data.body.sectors) return p;
-  const [o, a, b] = p, u = sub(a, o), v = sub(b, o), angle = Math.atan2(length(cross(u, v)), dot(u, v));
-  const count = Math.max(1, Math.ceil(angle / ARC)), out = [o];
-  for (let k = 0; k <= count; k++) {
-    const t = k / count * angle;
-    out.push(add(o, times(add(times(u, Math.sin(angle - t)), times(v, Math.sin(t))), 1 / Math.sin(angle))));
-  }
-  return out;
-}
+const outline = (state, facet) => facet.map(k => state.corners[k]);
 
 const normals = state => scene.data.body.facets.map(f => {
   const [a, b, c] = f.map(k => state.corners[k]);
@@ -54,7 +43,6 @@ function paperOf(state) {  // triangles of the facets, and their borders
   scene.data.body.facets.forEach((facet, f) => {
     const ring = outline(state, facet).map(p => add(p, shift(state, f)));
     for (let t = 1; t < ring.length - 1; t++) triangles.push(...ring[0], ...ring[t], ...ring[t + 1]);
-    if (scene.data.body.sectors) return ring.slice(2).forEach((p, t) => borders.push(...ring[t + 1], ...p));
     facet.forEach((corner, k) => {
       if (!scene.creased.has(`${corner} ${facet[(k + 1) % facet.length]}`)) borders.push(...ring[k], ...ring[(k + 1) % facet.length]);
     });
@@ -68,7 +56,7 @@ function creasesOf(state) {  // a crease on each of its facets, by kind, and whe
     const c = scene.data.body.creases[n], a = state.corners[c.start], b = state.corners[c.end], kind = kindOf(phi);
     const two = [shift(state, c.left), shift(state, c.right)];
     for (const s of length(sub(...two)) > 0 ? two : two.slice(1)) { kinds[kind].push(...add(a, s), ...add(b, s)); owners[kind].push(n); }
-    const middle = times(add(...two), 0.5), at = scene.data.body.sectors ? 1.1 : 0.5;
+    const middle = times(add(...two), 0.5), at = scene.round ? 1.1 : 0.5;
     const place = add(add(times(a, 1 - at), times(b, at)), middle);
     const same = numbers.find(e => length(sub(e.place, place)) < 0.04 * scene.reach);
     if (same) same.text += `, ${n + 1}`;
@@ -389,6 +377,7 @@ function chooseScene(n) {  // it opens on its first path, where it has one
     const far = state => length(sub(state.angles, data.stations[0].angles)), {states} = data.tracks[0];
     step = states.reduce((best, state, k) => far(state) < far(states[best]) ? k : best, 0);
   }
+  scene.round = data.body.creases.every(c => c.start === data.body.creases[0].start);  // about one vertex: numbers beyond
   scene.creased = new Set(data.body.creases.flatMap(c => [`${c.start} ${c.end}`, `${c.end} ${c.start}`]));
   Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null});
   $("title").textContent = data.title;
