@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from origami_nlp.arguments import shown
+from origami_nlp.errors import OptionError
 from origami_nlp.io import printable
 from origami_nlp.pattern.fold_limits import Contact, Limits, limit_angles
 from origami_nlp.pattern.hinges_stated import Laws, check_plain_hinges
 
 if TYPE_CHECKING:
+    from typing import Self
+
     from origami_nlp.pattern.relations import Relations
 
 
@@ -41,6 +46,7 @@ class Origami:
     relations: Relations | None = None
     load_lines: ClassVar[Any] = ()
     is_symmetric: ClassVar[Any] = False
+    CONTACTS: ClassVar[tuple[str, ...]] = ()
     contact: Contact
     limits: Limits
     laws: Laws
@@ -73,8 +79,48 @@ class Origami:
         """Low and high fold limits, [2, n] [rad]; +-pi where none are stated."""
         return limit_angles(self.limits, self.creases)
 
+    def with_contact(self, contact: Contact) -> Self:
+        """Return the same origami with another contact.
+
+        Parameters
+        ----------
+        contact
+            ``"full"``, or ``"fold-limits"``: facets may cross; of a scene also ``"none"``.
+
+        Returns
+        -------
+        Scene or Pattern
+            With this one.
+
+        Raises
+        ------
+        OptionError, SceneError
+            If it is none of these.
+        """
+        if self.CONTACTS and contact not in self.CONTACTS:
+            known = " or ".join(map(repr, self.CONTACTS))
+            raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
+        stated: Any = self
+        return replace(stated, contact=contact)
+
+    def check_alone(self, what: str) -> None:
+        """Raise an error if the origami is a cell that repeats.
+
+        Parameters
+        ----------
+        what
+            Is not modelled of one, in words.
+
+        Raises
+        ------
+        OptionError
+            If it is.
+        """
+        if self.cell:
+            raise OptionError(f"{self.title} is a cell that repeats: {what} is for sheets alone")
+
     def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
-        """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
+        """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.
 
         Parameters
         ----------
@@ -88,4 +134,5 @@ class Origami:
         OptionError
             If the origami has them, or it is a cell that repeats.
         """
+        self.check_alone(what)
         check_plain_hinges(self.laws, () if stops else self.limits, what)

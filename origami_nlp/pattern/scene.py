@@ -332,10 +332,6 @@ class Scene(PrettyRepr, Origami):
             relations=replace(self.relations, sector_angles=vertex.sector_angles, moved=0.0),
         )
 
-    def with_contact(self, contact: Contact) -> Scene:
-        """Return the same scene with another contact, as for `Scene`."""
-        return replace(self, contact=contact)
-
     def check_wide(self) -> None:
         """Raise an error where a facet is too narrow for the contact that is asked for.
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import FoldFileError, OptionError
 from origami_nlp.numerics import NARROW, energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Contact, Limits, read_limits
@@ -97,6 +97,7 @@ class Pattern(Origami):
     """
 
     PLAIN = ("pattern_to_dict", "pattern_from_dict")
+    CONTACTS = ("full", "fold-limits")
     corners: np.ndarray
     polygons: tuple[tuple[int, ...], ...]
     facet_of: np.ndarray
@@ -226,29 +227,6 @@ class Pattern(Origami):
         k, rest = np.array(read.stiffness), np.array(read.rest)
         return replace(self, stiffness=k, rest=rest, limits=read.limits, laws=read.laws)
 
-    def with_contact(self, contact: Contact) -> Pattern:
-        """Return the same pattern with another contact.
-
-        Parameters
-        ----------
-        contact
-            ``"full"``, or ``"fold-limits"``: facets may cross.
-
-        Returns
-        -------
-        Pattern
-            With this one.
-
-        Raises
-        ------
-        OptionError
-            If it is neither.
-        """
-        if contact not in ("full", "fold-limits"):
-            what = "must be 'full' or 'fold-limits' for a pattern"
-            raise OptionError(f"contact = {shown(contact)} {what}")
-        return replace(self, contact=contact)
-
     def with_limits(self, limits: Sequence[Any], *, degrees: bool = False) -> Pattern:
         """Return the same pattern with fold limits: stops before facets meet.
 
@@ -291,27 +269,6 @@ class Pattern(Origami):
         """
         each = [laws] * self.creases if isinstance(laws, HingeLaw) else laws
         return self._with_hinges(laws=tuple(each))
-
-    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
-        """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know."""
-        self.check_alone(what)
-        super().check_plain_hinges(what, stops=stops)
-
-    def check_alone(self, what: str) -> None:
-        """Raise an error if the pattern is a cell that repeats.
-
-        Parameters
-        ----------
-        what
-            Is not modelled of one, in words.
-
-        Raises
-        ------
-        OptionError
-            If it is.
-        """
-        if self.cell:
-            raise OptionError(f"{self.title} is a cell that repeats: {what} is for sheets alone")
 
     def check_wide(self) -> None:
         """Raise an error where a corner of a facet is too narrow for the contact that is asked for.

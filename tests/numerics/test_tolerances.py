@@ -28,13 +28,13 @@ BESIDE_THE_TABLE = {
         pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        paper/landscape.PIECE paths/ways.OFF_BRANCH paths/ways.LEAST_SPAN paths/ways.OVER
+        paper/landscape.PIECE paths/job.OFF_BRANCH paths/job.LEAST_SPAN paths/job.OVER
         paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
-        pattern_problem/pop_signs.JUMPS
+        pattern_problem/pop_signs.JUMPS pattern_problem/labels.FINE
         escapes/terrain.FIRST search/descent_path.TRIED search/descent_path.RISE
         search/ipopt.BESIDE pattern_states/search.BESIDE pattern_states/near_folded.INSIDE
     """,
