@@ -88,7 +88,9 @@ def _vertex_foldings(
         # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
         q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
-    at = _round_vertex(pattern, loop) if problem.contact else None
+    # a vertex that is the whole is judged as a state is
+    part = problem.contact and len(pattern.vertices) > 1
+    at = _round_vertex(pattern, loop) if part else None
     foldings = choices[closed]
     if at is None:
         return foldings
