@@ -243,34 +243,6 @@ class Closure:
                 out[g.rows[:, None] + np.arange(3, 6)] = (s.t + g.moved) / self.size
         return out
 
-    def at_many(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Evaluate the equations [K, m] and dense Jacobians [K, m, n] at states [K, n]; None round holes, and beyond
-        `MOST_DENSE_ROWS` creases."""
-        many, n = phi.shape
-        if n > MOST_DENSE_ROWS or any(g.points is not None for g in self._groups):
-            return None
-        values, entries = np.zeros((many, self.count)), [np.zeros((many, 0))]
-        for g in self._groups:
-            # states beside each other, as if there were so many more loops
-            flat = _Group(
-                (g.creases + n * np.arange(many)[:, None, None]).reshape(-1, g.creases.shape[1]),
-                np.concatenate([g.signs] * many),
-                np.concatenate([g.axes] * many),
-                np.concatenate([g.products] * many),
-                None,
-                g.rows,
-                np.concatenate([g.start] * many),
-                np.concatenate([g.moved] * many),
-                np.concatenate([g.reference] * many),
-            )
-            at = self._turn(flat, phi.ravel())
-            values[:, (g.rows[:, None] + np.arange(3)).ravel()] = at.q[:, 1:].reshape(many, -1)
-            entries.append(self._derivatives(at).reshape(many, -1))
-        slots, size = self._places.slots, self.count * n
-        places = (slots + size * np.arange(many)[:, None]).ravel()
-        whole = np.bincount(places, np.concatenate(entries, axis=1).ravel(), size * many)
-        return values, whole.reshape(many, self.count, n)
-
     def closes(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1."""
         return bool(np.abs(self.values(phi)).max(initial=0.0) <= CLOSURE_TOL) and self.lifts_to_one(

@@ -222,10 +222,11 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate closure and the openings of contacts, [..., m + r], and their Jacobian [..., m + r, n]."""
         if x.ndim > 1:
-            if len(x) > 1 and all(c.is_limit for c in contacts) and (at := self.closure.at_many(x)):
+            if len(x) and all(c.is_limit for c in contacts):
+                c, j = map(np.array, zip(*map(self.closure, x), strict=True))
                 none = np.zeros((len(x), 0))
                 values, slopes = openings(x, none, np.zeros((len(x), 0, self.size)), contacts)
-                return np.hstack([at[0], values]), np.concatenate([at[1], slopes], axis=1)
+                return np.hstack([c, values]), np.concatenate([j, slopes], axis=1)
             each = [self.constraints(one, contacts) for one in x]
             count, m = len(x), self.closure.count + len(contacts)  # there may be no state
             values = np.array([v for v, _ in each]).reshape(count, m)

@@ -377,7 +377,8 @@ class Search(Parts):
             return
         low = np.argsort(problem.energies(states), kind="stable")[:MOST_SETTLED]
         for x in states[low]:
-            self.explore(x, FLAT_FOLDED)
+            self.begin(FLAT_FOLDED)
+            self.attempt(self.settle, x, 0)
         for start in beside_folded(problem, list(states), self.problem.moves):
             self.explore(start, BESIDE_FOLDED)
 
