@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from origami_nlp.display import InteractivePage
 
 _READ = (
-    ("minima/5", "minima", "minima", "MinimaResult"),
+    ("minima/6", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "paper", "CriticalPoints"),
     ("path/2", "legs", "paths", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),

@@ -14,7 +14,6 @@ from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import OMIT
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
-from origami_nlp.search import CLOSES_NOT
 
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
@@ -27,10 +26,8 @@ class SearchReport(ShortRepr):
 
     Attributes
     ----------
-    starts, feasible_starts
-        States from which descents began; those of them that could be closed.
-    solves, iterations
-        IPOPT's solves, and iterations over all of them.
+    starts
+        States from which descents began.
     expected_undiscovered
         Chao's estimate of the number of minima that no random start reached: a lower bound in expectation, no
         guarantee; inf where it is not asked for.
@@ -66,14 +63,8 @@ class SearchReport(ShortRepr):
         Starts that could not be closed within the fold limits: never reported.
     flat
         Starts that converged to the flat state.
-    lines, families
-        Branch directions of the flat state: with one degree of freedom, with more.
-    flat_folded
-        States with every crease open or fully folded, all branch directions of which were followed.
-    branch_points
-        Other bifurcations found along curves, all branch directions of which were followed.
     not_enumerated
-        What of these was not enumerated, and why; empty where all were.
+        What was not enumerated, and why; empty where all were.
     curves, ended
         Curves of states with one degree of freedom; how many of them are closed, or end at fold limits.
     unclear
@@ -97,9 +88,6 @@ class SearchReport(ShortRepr):
     """
 
     starts: int = 0
-    feasible_starts: int = 0
-    solves: int = 0
-    iterations: int = 0
     expected_undiscovered: Unbounded = math.inf
     expected_error: float = 0.0
     stopped_by: str = ""
@@ -118,10 +106,6 @@ class SearchReport(ShortRepr):
     undecided: tuple[JudgedState, ...] = field(default=(), repr=False)
     open: int = 0
     flat: int = 0
-    lines: int = 0
-    families: int = 0
-    flat_folded: int = 0
-    branch_points: int = 0
     not_enumerated: str = ""
     curves: int = 0
     ended: int = 0
@@ -187,7 +171,6 @@ class SearchReport(ShortRepr):
         """
         self.undecided = tuple(s for s in judged if s.verdict == "undecided")
         self.rejected = tuple(s for s in judged if s.verdict not in ("minimum", "undecided"))
-        self.feasible_starts = max(self.starts - self.open - self.stopped.get(CLOSES_NOT, 0), 0)
         ended = "rule" if self.quiet >= starts else "cap"
         self.stopped_by = "time" if self.left_out else ended
         self.curves, self.ended = len(found), sum(c.complete for c in found)

@@ -98,7 +98,7 @@ class MinimaResult(Report, Viewable):
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/5"
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/6"
     ALSO = ("model", "flags", "lattices")
 
     def __post_init__(self) -> None:

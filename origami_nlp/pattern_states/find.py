@@ -261,8 +261,6 @@ class _Answer(Search):
         for k in lowest:
             self.problem.check_time()
             if (solver := confirm(self.problem, self.at_state(self.judged[k]))) is not None:
-                self.tally.solves += 1
-                self.tally.iterations += solver.iterations
                 self.judged[k] = replace(self.judged[k], solver=solver)
 
     def add_survival(self, degrees: float) -> None:

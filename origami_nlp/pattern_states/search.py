@@ -367,12 +367,10 @@ class Search(Parts):
             words = "; only ways from the flat state are followed" * lies_flat
             tally.skip(f"flat-folded states: not enumerated, {folded.reason}{words}")
             states = np.zeros((int(lies_flat), problem.size))
-        tally.flat_folded = len(states)
         rank = [(round(np.abs(x).sum(), 6), self.labels.key(x)) for x in states]
         states = states[sorted(range(len(states)), key=rank.__getitem__)]
         flat = None if problem.orbits else list_branches(problem)
         if flat is not None and not flat.reason:
-            tally.lines, tally.families = len(flat.lines), len(flat.families)
             self.part(ESCAPE_PATHS, self._leave_flat_folded, states)
             return
         low = np.argsort(problem.energies(states), kind="stable")[:MOST_SETTLED]
@@ -388,7 +386,6 @@ class Search(Parts):
             for phi in traced.branch_points:
                 if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in self._met_at):
                     self._met_at.append(phi)
-                    self.tally.branch_points += 1
                     self._leave(phi, branch_directions(self.problem, phi))
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:

@@ -104,7 +104,7 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
     assert "frames" not in run("inspect", path, "--vertex", 5, "--frame", 1).err
     other = tmp_path / "result.txt"
     for file in (path, other):  # by its name, or by what is in it
-        file.write_text(json.dumps({"schema": "origami-nlp/minima/5", "scene": {}}))
+        file.write_text(json.dumps({"schema": "origami-nlp/minima/6", "scene": {}}))
         code, _, err = run("minima", file)
         assert code == 2 and err.count("\n") == 1 and "vertices_coords" in err
     with pytest.raises(o.OrigamiError, match="read_fold_scene"):
