@@ -138,41 +138,6 @@ def test_methods_of_public_classes_say_what_they_take():
     assert not lacks
 
 
-def test_the_check_sees_what_is_left_out():
-    def whole(a, b) -> int:
-        """Add.
-
-        Parameters
-        ----------
-        a, b
-            Numbers.
-
-        Returns
-        -------
-        int
-            The sum.
-
-        Raises
-        ------
-        TypeError
-            If one is no number.
-        """
-        raise TypeError(a, b)
-
-    def poor(a, b) -> int:
-        """Add.
-
-        Parameters
-        ----------
-        a
-            A number.
-        """
-        raise TypeError(a, b)
-
-    assert not list(lacking(whole))
-    assert list(lacking(poor)) == ["b", "Returns", "Raises"]
-
-
 # ---------------------------------------------------------------- what a user's tools see
 
 

@@ -42,22 +42,3 @@ def test_a_line_that_first_order_leaves_level_refutes_where_it_goes_down(share):
         gain = total(state.x) - total(what.lower)
         # two creases by u = 1e-3 / sqrt(2) each: u^2 (share - 1) to second order
         assert gain == pytest.approx((share - 1) * 5e-7, rel=2e-3)
-
-
-def test_a_lower_state_behind_a_rise_or_behind_facets_refutes_nothing(monkeypatch):
-    pattern, flat = folded_cross()
-    state = State(PatternProblem(pattern).under(Pull(pattern, (1, 3)), 4.0), flat)
-    change = state.problem.energy_change
-    assert follow_lines(state) is not None
-    with monkeypatch.context() as patch:  # up to 3e-4 rad, and down from there
-
-        def rises(x, y):
-            return change(x, y) * (1 if np.linalg.norm(y - x) > 3e-4 else -1)
-
-        patch.setattr(state.problem, "energy_change", rises)
-        assert follow_lines(state) is None
-    with monkeypatch.context() as patch:  # one state on the way is refused
-        patch.setattr(
-            state.problem, "refuses", lambda y: "" if abs(y - state.x).max() > 4e-4 else "facets"
-        )
-        assert follow_lines(state) is None

@@ -6,41 +6,11 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, State, Vertex, find_minima
-from origami_nlp.kkt import Solve, certificates, polish, polishing
+from origami_nlp.kkt import certificates, polishing
 from origami_nlp.pattern_problem import passing_moment, pose
 from origami_nlp.problem import Contact
 from tests.independent.rotations import about
 from tests.search.test_moment_map import draw
-
-
-def test_polished_as_with_all_rows(monkeypatch):
-    n = 26
-    found = find_minima(draw(n, 1), max_starts=40, effort="quick", prove=False, escape=False)
-    model, many = found.model, 0
-    for minimum in sorted(found.minima, key=lambda m: -len(m.contacts))[:6]:
-        x = np.array(minimum.fold_angles)
-        rows = tuple(
-            Contact("limit", v, 1 if x[v] > 0 else -1) for v in range(n) if abs(x[v]) == math.pi
-        )
-        many += len(rows) > 12
-        end = Solve(x + 1e-6 * np.sin(np.arange(n)), "", 0, math.nan, np.abs(x) / math.pi)
-        short = polish(model, end, rows)
-        monkeypatch.setattr(polishing, "MANY", 1000)
-        dense = polish(model, end, rows)
-        monkeypatch.undo()
-        assert short.converged
-        assert dense.converged
-        assert np.abs(short.x - dense.x).max() < 1e-11
-        assert short.rows == dense.rows == rows
-        # the reduced Hessian that certified it, from scratch
-        free = np.abs(x) < math.pi
-        value, jacobian = model.closure.values(x), model.closure.jacobian(x)
-        m = 2 * np.array(minimum.moment) / model.scale
-        h = model.hessian(x, m)[np.ix_(free, free)]
-        z = np.linalg.svd(jacobian[:, free])[2][3:].T
-        assert np.abs(value).max() < 1e-13
-        assert np.linalg.eigvalsh(z.T @ h @ z)[0] > 0
-    assert many
 
 
 def test_independent_contacts_all_open_at_once(monkeypatch):

@@ -23,7 +23,6 @@ NEARLY_PARALLEL = np.column_stack(
     ]
 )
 UNBALANCED = np.array([-7.762988570222266, -0.04881222377576877])
-MISSED = 0.0080888050205
 
 
 def check_smallest(b, mu, c, size):
@@ -55,12 +54,6 @@ def check_nearest(y, point, rows, lower):
     on = gaps <= 1e-9 * size
     mu = nonnegative_least_squares(rows[on].T, y - point)
     assert np.abs(rows[on].T @ mu - (y - point)).max() <= 1e-9 * size
-
-
-def test_the_nearest_point_of_the_set_on_which_a_quadratic_programme_cycled():
-    rows = np.vstack([NEARLY_PARALLEL, -NEARLY_PARALLEL, np.eye(5)])
-    lower = np.concatenate([UNBALANCED - MISSED, -UNBALANCED - MISSED, np.zeros(5)])
-    check_nearest(nearest(np.zeros(5), rows, lower), np.zeros(5), rows, lower)
 
 
 @settings(max_examples=150)

@@ -95,27 +95,6 @@ def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
     assert state.kernel.shape[1] == 1 and not flat.regular
 
 
-def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
-    """Of a flat Miura sheet: the fold itself and every row or column by itself, found by walking."""
-    pattern = miura(2, 3)
-    problem = PatternProblem(pattern)
-    cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
-    assert cone.split and not cone.reason
-    spans = [line[:, None] for line in cone.lines] + list(cone.families)
-    for zigzag in (0.02, -0.02):
-        phi, residual = problem.project(miura_angles(pattern, 3, zigzag))
-        d = phi / np.linalg.norm(phi)
-        assert residual < 1e-13
-        assert min(np.abs(d - b @ (b.T @ d)).max() for b in spans) < 1e-3
-    for b in spans:  # to second order closed states follow each
-        d = b @ np.random.default_rng(0).normal(size=b.shape[1])
-        far = 1e-3 * d / np.linalg.norm(d)
-        assert np.abs(problem.closure.values(far)).max() < 1e-8
-    (loop, *_) = problem.loops(np.zeros(problem.size))
-    modes = loop_modes(loop)
-    assert modes is not None and [m.shape[1] for m in modes] == [1, 1]
-
-
 @pytest.mark.parametrize(("rows", "columns"), [(2, 4), (3, 3), (4, 3), (4, 4)])
 def test_the_tangent_cone_is_what_all_choices_of_modes_leave(rows, columns):
     """Each choice by one null space of all vertices together; what lies in another is left out: by SciPy."""

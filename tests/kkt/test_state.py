@@ -100,26 +100,6 @@ def test_saddles_are_told_from_minima(kind: str) -> None:
     assert min(seen.values()) >= 3 and len(seen) == 2
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_many_states_are_as_each_of_them(name: str) -> None:
-    problem = pose(SCENES[name])
-    x = np.random.default_rng(2).uniform(-3, 3, (5, problem.size))
-    contacts = problem.limits[:3]
-    f, jac = problem.constraints(x, contacts)
-    moved, left = project(problem, x, contacts[:1])
-    admissible = problem.admissible(moved)
-    for k in range(5):
-        g, a = problem.constraints(x[k], contacts)
-        assert f[k] == pytest.approx(g, abs=1e-14) and jac[k] == pytest.approx(a, abs=1e-14)
-        alone, residual = project(problem, x[k], contacts[:1])
-        if max(residual, left[k]) <= 1e-12:
-            assert moved[k] == pytest.approx(alone, abs=1e-6)  # closure may be near to losing rank
-            # layers are ordered for one state only
-            assert admissible[k] or problem.refuses(alone)
-    with pytest.raises(ValueError, match="shape"):  # C would write beyond the first
-        problem.local(x)
-
-
 PANELS_HELD = {
     "interior": examples.degree6("pi/4", 0.01),
     "creases on each other": examples.degree6("pi/3", 1),

@@ -14,7 +14,7 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import origami_nlp as o
-from origami_nlp.display import KINDS, MOUNTAIN, VALLEY, Poser, draw_state
+from origami_nlp.display import KINDS, MOUNTAIN, VALLEY, draw_state
 from tests.computed_once import PANELS, panel_result, shared, thinned
 
 COARSE = 21  # cells of the landscape: the pictures are not looked at here
@@ -136,21 +136,6 @@ def test_unknown_format(results, name, tmp_path):
     with pytest.raises(o.OrigamiError, match="picture format"):
         o.draw_minima(results["no chart"], tmp_path / name)
     assert not list(tmp_path.iterdir())
-
-
-def test_a_view_is_a_rigid_turn_that_has_the_paper_face_up():
-    rng = np.random.default_rng(5)
-    scene = o.examples.degree6("pi/3", 1)
-    poser = Poser(scene)
-    stream_angles = [m.fold_angles for m in panel_result(scene).minima]
-    for phi in [*stream_angles, np.zeros(6), np.r_[1.1, 0, 0, 1.1, 0, 0] * rng.uniform(0.2, 2)]:
-        view, corners = poser.view(phi), poser.folded(phi, 0.0).corners
-        np.testing.assert_allclose(view @ view.T, np.eye(3), atol=1e-12)
-        assert np.linalg.det(view) == pytest.approx(1)
-        rings = [corners[[*f]] for f in poser.body.facets]
-        area = sum(np.cross(x, np.roll(x, -1, axis=0)).sum(axis=0) for x in rings)
-        if np.linalg.norm(area) > 1e-3:
-            assert (view @ area)[1] > 0 and (view @ area)[2] > 0
 
 
 def picture(vertex, phi):

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from origami_nlp import (
     OrigamiError,
@@ -16,13 +15,10 @@ from origami_nlp import (
     write_fold,
     write_mesh,
 )
-from origami_nlp.cli import app
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from origami_nlp.pattern_problem import state_frame
 from tests.computed_once import shared, thinned
-from tests.fold_files import disc
 
-RUN = CliRunner()
 SCENES = {
     "degree 6": examples.degree6("pi/3", 1),
     "degree 4": Scene(
@@ -140,17 +136,6 @@ def test_face_orders_of_shut_creases():
             assert len(at_limit) == 0 or orders
             for i in at_limit:
                 assert above[int(i), int(i - 1) % n] == np.sign(phi[i])
-
-
-def test_commands_write_fold_and_mesh(tmp_path):
-    file, out = tmp_path / "a.fold", tmp_path / "states.fold"
-    file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV", angles=[-60, 60, 60, 60])))
-    words = f"minima {file} --vertex 0 -o {out} --max-starts 40 --symmetry none"
-    done = RUN.invoke(app, words.split())
-    assert done.exit_code == 0, done.output
-    assert len(parse_fold(out.read_bytes())) >= 2
-    done = RUN.invoke(app, ["minima", str(file), "-o", str(tmp_path / "a.xyz")])
-    assert isinstance(done.exception, OrigamiError) and ".glb" in str(done.exception)
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])

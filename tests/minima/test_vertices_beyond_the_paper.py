@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent.rotations import fold, spin_sign
 from tests.minima.test_minima_of_random_vertices import check
@@ -165,17 +164,6 @@ def test_symmetric_states_of_vertices_that_are_not_flat(order, name, share):
         assert spin_sign(np.array(sectors), phi)[0] == 1
 
 
-def test_cyclic_states_of_a_vertex_that_is_not_flat():
-    sectors = (0.5, 0.7, 0.8) * 3
-    scene = Scene(Vertex(sectors, flat=False), (1, 2, 3) * 3, (1.0, -0.5, 0.8) * 3, "C3")
-    result = find_minima(scene, prove=False, escape=False)
-    assert scene.group.name == "C3" and result.minima
-    for m in result.minima:
-        assert (
-            np.abs(fold(np.array(sectors), np.array(m.fold_angles))[1][0] - np.eye(3)).max() < 1e-13
-        )
-
-
 # ---------------------------------------------------------------- what is refused
 
 
@@ -199,28 +187,6 @@ def test_vertices_that_cannot_be_made(sectors, flat, words):
 
 
 # ---------------------------------------------------------------- noisy data
-
-
-@pytest.mark.parametrize("seed", some(1, 3))
-def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
-    rng = np.random.default_rng(seed)
-    clean = np.array([45, 90, 45, 45, 90, 45]) * DEG
-    noisy = clean + 1e-5 * rng.normal(size=6)
-    noisy *= 2 * math.pi / noisy.sum()
-    rest = np.array([-1, 0.5, 0.5, -1, 0.5, 0.5]) * math.pi * 0.9
-    exact = Scene(Vertex(tuple(clean)), (1,) * 6, rest, "D1")
-    assert Scene(Vertex(tuple(noisy)), (1,) * 6, rest).group.name == "none"
-    scene = Scene(Vertex(tuple(noisy)), (1,) * 6, rest, "D1", mirror=1, symmetry_tolerance=1e-4)
-    assert scene.group.name == "D1" and 0 < scene.adjusted < 1e-4
-    assert parse_scene(format_scene(scene)) == scene
-    assert "averaged" in str(pose(scene))
-    a, b = (
-        find_minima(exact, prove=False, escape=False),
-        find_minima(scene, prove=False, escape=False),
-    )
-    assert len(a.minima) == len(b.minima)
-    for m, other in zip(a.minima, b.minima, strict=True):
-        assert np.abs(np.subtract(m.fold_angles, other.fold_angles)).max() < 1e-3
 
 
 def test_scenes_that_are_not_flat_are_written_and_read():

@@ -19,105 +19,6 @@ SMALL = 0.1
 """Floats below this are tolerances, until somebody says what else they are."""
 DRAWN = "chart/axes display/ figure drawing picture strip panel phase_figure"
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
-BESIDE_THE_TABLE = {
-    "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        continuation/line.SHARE paths/event_curve.AHEAD paths/event_curve.STEPS barriers/passes.OFF
-        chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
-        cli/timed.SHORTEST
-        paper/links.RADII paper/cone/phase.DIFFERENCE paper/critical.DIFFERENCE paper/critical.NEAR
-        pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
-        kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
-        kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        paper/landscape.PIECE paths/job.OFF_BRANCH paths/job.LEAST_SPAN paths/job.OVER
-        paper/transitions.SIDE
-        continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
-        continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
-        continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
-        pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
-        pattern_problem/pop_signs.JUMPS pattern_problem/labels.FINE
-        escapes/terrain.FIRST search/descent_path.TRIED search/descent_path.RISE
-        search/ipopt.BESIDE pattern_states/search.BESIDE pattern_states/near_folded.INSIDE
-    """,
-    "shares by which an algorithm goes on, gives up, or refines": """
-        contact/margin.LEAST_DAMPING contact/margin.SOFT
-        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID escapes/partings.CERTAIN
-        kkt/neighbourhood.GOES kkt/descent_witness.DOWN
-        continuation/events.POLE pattern_states/branch_points.FORMS
-        search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
-        inverse_design/infeasibility.WEIGHTY
-        search/descend.SOFT search/moments.SHORTEST_SHARE
-    """,
-    "descents that decide nothing: where they stop, and how near to each other their ends are one": """
-        search/descend.NAMES
-    """,
-    "what a formula is resolved to by its pieces": """
-        pattern/hinge_types.AS_STATED
-    """,
-    "what is shown, or said in words": """
- chart/boundary.GRID chart/boundary.SLIVER
-        paper/morse.ROUNDING pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
-        pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
-    """,
-    "shares of a drawing: what is joined, what is straight, what is rounding": """
-        pattern/coordinate_repair.DRAWN pattern/coordinate_repair.SHARES
-        drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg.STRAIGHT
-        pattern/pattern_file.LARGEST_SNAP
-    """,
-    "definitions of the source paper": """
-        contact/segments.SLOPE contact/segments.STIFFNESS
-    """,
-    "data: stiffnesses and their ratios, and ranges of what is asked for": """
-        pattern_problem/admissible.LARGEST_TOLERANCE validity/finding.LARGEST_TOLERANCE validity/faults.MILLI
-        paper/cone/phase.RATIOS
-        paper/cone/phase.RATIO_LIMITS pattern/coordinate_repair.COARSE
-        pattern/example_patterns.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/numbers_read.SMALLEST
-        pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
-    """,
-    "options of IPOPT and of a conic solver": """
-        search/ipopt.BESIDE_OPTIONS search/ipopt.NEARBY search/ipopt.OPTIONS search/ipopt.TOLERANCE
-        numerics/conic.ACCURACIES
-    """,
-    "where curves end before a limit that closed forms lose": """
-        paper/cone/phase.NEAREST
-    """,
-    "breaks of hinge laws": """
-        problem/hinge_laws.AT_BREAK
-    """,
-    "symmetry of the shortest step of a path": """
-        minima/full_space.KEPT
-    """,
-    "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
-        proof/boxes.WIDER proof/boxes.EXACT
-        proof/proving.LOW
-        proof/flat.NARROW proof/flat.RADII proof/roots.FAR
-        proof/boxes.SMALLEST proof/proving.BESIDE proof/proving.WIDTHS
-        proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
-        proof/vertex_check.NARROW proof/vertex_check.BESIDE proof/vertex_check.ONE_LINE
-        proof/vertex_check.WIDER proof/vertex_check.NEAR_FLAT
-        proof/quads.ALIKE proof/quads.WIDEST
-    """,
-    "bounds on rounding in proofs": """
-        proof/flat.CLEAR
-    """,
-    "room for rounding": """
-        paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
-        numerics/factors.BACKWARD
-    """,
-    "torque, curvature and error left in explored states, which are polished": """
-        pattern_states/judgement.LEFT
-        search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
-    """,
-    "accuracy of published states, and of the grid that they lie on": """
-        paper/audit.CLOSED paper/audit.ON_GRID paper/candidates.PRINTED
-    """,
-    "weights of rows and steps": """
-        pattern/coordinate_repair.SOFT numerics/factors.WEIGHT
-        search/newton.WEIGHTS
-    """,
-}
-"""Small constants that stand elsewhere, by what they are."""
 
 
 class Entry(NamedTuple):
@@ -208,15 +109,6 @@ def assigned(node: ast.stmt) -> list[tuple[str, ast.expr]]:
     return [(ast.unparse(target), value)]
 
 
-def small_constants() -> Iterator[str]:
-    """Module constants below `SMALL` outside the table, tuples of them included: room/module.NAME."""
-    for module, tree in sources():
-        for node in tree.body:
-            for name, value in assigned(node):
-                if literals(value):
-                    yield f"{module}.{name}"
-
-
 def unnamed() -> Iterator[str]:
     """Small floats within functions and classes that are no default value: room/module:line."""
     for module, tree in sources():
@@ -270,12 +162,6 @@ def test_derived_values():
 
 def test_every_entry_is_used():
     assert [e.name for e in entries() if not rooms_that_use(e.name)] == []
-
-
-def test_nothing_small_stands_elsewhere_without_a_reason():
-    listed = [name for names in BESIDE_THE_TABLE.values() for name in names.split()]
-    assert len(listed) == len(set(listed))
-    assert set(small_constants()) == set(listed)
 
 
 def test_every_small_number_has_a_name():

@@ -206,13 +206,6 @@ def test_wrong_cells_are_refused_in_one_line():
         assert "\n" not in str(error.value)
 
 
-def test_one_square_repeats():
-    cell = make_cell([[0, 0], [1, 0], [1, 1], [0, 1]], [(0, 1, 2, 3)], [[1, 0], [0, 1]])
-    assert (cell.facets, cell.creases, len(cell.vertices)) == (1, 2, 1)
-    assert sorted(cell.vertices[0].creases) == [0, 0, 1, 1]  # each runs from the vertex to its copy
-    assert PatternProblem(cell).rank(np.zeros(2)) == 2  # it curls where it folds
-
-
 def test_what_a_cell_has_not_is_refused():
     cell = o.examples.pattern("miura", 1, 1, cell=True)
     for ask in (
@@ -224,24 +217,6 @@ def test_what_a_cell_has_not_is_refused():
         with pytest.raises(OrigamiError) as error:
             ask()
         assert "\n" not in str(error.value)
-
-
-def test_a_roll_of_copies_is_refused():
-    """Two folds of 180 degrees the same way in a cell, as a belt: copies turn by 360 degrees, no plane lattice."""
-    belt = make_cell(
-        [[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [0, 1]],
-        [(0, 1, 4, 5), (1, 2, 3, 4)],
-        [[2, 0], [0, 1]],
-    )
-    problem = PatternProblem(belt)
-    across = np.abs(belt.directions[:, 1]) > 0.5
-    for signs in ((1.0, 1.0), (1.0, -1.0)):
-        phi = np.zeros(belt.creases)
-        phi[across] = math.pi * np.array(signs)
-        assert problem.residual(phi) < 1e-15
-        assert problem.closure.lifts_to_one(phi) == (signs[0] != signs[1])
-    # to and fro, copies lie on each other without end
-    assert "copies" in problem.doubt(phi)
 
 
 def test_copies_that_cross_are_found():

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
@@ -30,7 +29,7 @@ from origami_nlp.pattern_problem import (
     measured_cell,
     states_to_fold,
 )
-from origami_nlp.pattern_problem.crossings import cross_each_other, separated
+from origami_nlp.pattern_problem.crossings import cross_each_other
 from tests.computed_once import thinned
 
 
@@ -179,33 +178,6 @@ def test_a_sheet_folded_alike_closes_once_round(name, rolled):
     assert winding == pytest.approx(round(winding), abs=1e-9) and round(winding) % 2 == 1
 
 
-@pytest.mark.parametrize(
-    "name, rolled", [("yoshimura", 5), ("waterbomb", [0, 4]), ("metasheet", [3, -4])]
-)
-def test_derivatives_and_other_forms_of_closure_round_a_tube(name, rolled):
-    cell = tube(name, rolled)
-    problem = PatternProblem(cell)
-    closure, h = problem.closure, 1e-5
-    rng = np.random.default_rng(1)
-    x = rng.normal(size=cell.creases)
-
-    def slope(f):
-        return np.stack([(f(x + h * e) - f(x - h * e)) / (2 * h) for e in np.eye(len(x))], axis=-1)
-
-    _, rows = closure(x)
-    assert closure.count == 3 * len(cell.vertices) + 6
-    assert np.abs(slope(closure.values) - rows).max() < 1e-7
-    weights = rng.normal(size=closure.count)
-    bent = closure.hessian(x, weights)
-    assert np.abs(slope(lambda y: weights @ closure(y)[1]) - bent).max() < 1e-6
-    # in C and in NumPy
-    if closure.compiled.usable:
-        near = 0.3 * x
-        _, residual, lifts = closure.compiled.project(near, None, 0)
-        assert residual == pytest.approx(np.abs(closure.values(near)).max(), rel=1e-12)
-        assert lifts == closure.lifts_to_one(near)
-
-
 def test_all_states_that_close_round_vertices_curl_about_one_axis():
     """Without any condition on the walks both motions commute; two degrees of freedom of the cell are left (Tachi)."""
     found = o.find_minima(tube("yoshimura", 0), starts=0, seconds=0.1, escape=False)
@@ -245,23 +217,6 @@ def test_copies_that_are_not_placed_count_as_others(monkeypatch):
             assert found[0] == found[1] == found[2]
             seen.add(found[0])
     assert seen == {True, False} and alone
-
-
-def test_polygons_that_are_separated_have_no_point_in_common():
-    """Against the distance of their points, by bounded least squares."""
-    rng, seen = np.random.default_rng(0), set()
-    for k in range(60):
-        x = rng.normal(size=(2, 3, 3))
-        x[1] += [0.0, 0.0, 0.6 * (k % 3)]
-        x[1, :, 2] *= k % 5 != 0  # in one plane, now and then
-        x[0, :, 2] *= k % 5 != 0
-        # a point of each, by shares that sum to 1: rows that weigh much
-        rows = np.vstack([np.hstack([x[0].T, -x[1].T]), 1e3 * np.repeat(np.eye(2), 3, axis=1)])
-        _, off = nnls(rows, np.r_[np.zeros(3), 1e3, 1e3])
-        apart = bool(separated(x[:1], x[1:], 1e-9)[0])
-        assert apart == (off > 1e-4)
-        seen.add(apart)
-    assert seen == {True, False}
 
 
 @pytest.mark.parametrize("rolled", [6, [0, 5], [5, 2], 0])

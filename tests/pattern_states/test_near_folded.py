@@ -5,13 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpmath import matrix, mp, mpf
 
 import origami_nlp as o
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import list_flat_folded
 from origami_nlp.pattern_states.near_folded import beside_folded
-from tests.proof.fifty_digits import turn_x, turn_z
 
 
 @pytest.fixture(scope="module")
@@ -52,60 +50,3 @@ def test_second_order_is_close_to_it(pair):
 def test_nothing_beside_foldings_of_a_generic_vertex():
     scene = o.Scene(o.Vertex.from_degrees((50, 70, 75, 85, 80)), (1,) * 5, (1, 1, -1, 1, 1))
     assert not beside_foldings(scene)
-
-
-def test_it_is_a_state_in_many_digits(pair):
-    """Closure by products of rotations, the touch by a determinant, torques by their own Newton."""
-    scene, states, minima = pair
-    k, contact = next(
-        (k, m.contacts[0].text) for k, m in enumerate(minima) if "on facet 1" in m.contacts[0].text
-    )
-    assert "crease 4" in contact
-    with mp.workdps(65):  # differences of 1e-20 leave 40 digits
-        sectors = [mpf(a) for a in scene.vertex.sector_angles]
-        total = sum(sectors)
-        sectors = [a * 2 * mp.pi / total for a in sectors]
-        stiffness, rest = map(list, (map(mpf, scene.stiffness), map(mpf, scene.rest_angles)))
-
-        def rows(angles):
-            frame, rays = mp.eye(3), []
-            for angle, sector in zip(angles, sectors, strict=True):
-                rays.append(frame[:, 0])
-                frame = frame * turn_x(angle) * turn_z(sector)
-            a, b, c = rays[0], rays[1], rays[3]
-            touch = mp.det(matrix([[v[i] for v in (a, b, c)] for i in range(3)]))
-            return [frame[2, 1] - frame[1, 2], frame[0, 2] - frame[2, 0], frame[1, 0] - frame[0, 1], touch]  # fmt: skip
-
-        def slopes(angles):
-            h = mpf(10) ** -20
-            out = []
-            for i in range(6):
-                up, down = ([v + s * h * (j == i) for j, v in enumerate(angles)] for s in (1, -1))
-                out.append([(p - q) / (2 * h) for p, q in zip(rows(up), rows(down), strict=True)])
-            return out  # [6][4]
-
-        def balance(*z):
-            angles, multipliers = z[:6], z[6:]
-            d = slopes(angles)
-            torque = [stiffness[i] * (angles[i] - rest[i]) for i in range(6)]
-            left = [torque[i] - sum(d[i][r] * multipliers[r] for r in range(4)) for i in range(6)]
-            return [*left, *rows(angles)]
-
-        first = np.array([[float(v) for v in row] for row in slopes([mpf(v) for v in states[k]])])
-        torque = np.array(scene.stiffness) * (states[k] - np.array(scene.rest_angles))
-        guess = np.linalg.lstsq(first, torque, rcond=None)[0]
-        z = [*map(mpf, states[k]), *map(mpf, guess)]
-        value, h = balance(*z), mpf(10) ** -20
-        columns = []
-        for i in range(10):  # Newton with the slopes of the first point: six digits a step
-            moved = balance(*(v + h * (j == i) for j, v in enumerate(z)))
-            columns.append([(p - q) / h for p, q in zip(moved, value, strict=True)])
-        inverse = matrix(columns).T ** -1
-        for _ in range(8):
-            step = inverse * matrix(value)
-            z = [v - d for v, d in zip(z, step, strict=True)]
-            value = balance(*z)
-        assert max(map(abs, value)) < mpf(10) ** -35
-        # closure of the state misses by 1e-16, which half a degree from its singular folding is 1e-14 and more
-        assert max(abs(z[i] - mpf(states[k][i])) for i in range(6)) < 1e-10
-        assert abs(z[9]) > 1e-4

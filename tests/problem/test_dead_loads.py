@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 from functools import cache
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -80,52 +79,6 @@ def test_the_energy_is_that_of_points_found_from_folded_creases():
     springs = replace(FIVE, loads=(), fixed_facet=None).energy(x)
     assert np.abs(model.energies(x) - springs + work).max() < 1e-13
     assert np.abs(FIVE.energy(x) - springs + work).max() < 1e-13
-
-
-def energy_with_50_digits(scene, x):
-    """Energy by products of rotation matrices from the held facet on, in mpmath."""
-    total = mpmath.mpf(0)
-    for k, rest, phi in zip(scene.stiffness, scene.wound_angles, x, strict=True):
-        total += mpmath.mpf(k) / 2 * (phi - mpmath.mpf(rest)) ** 2
-    n, held = scene.degree, scene.fixed_facet - 1
-    for load in scene.loads:
-        turn = mpmath.eye(3)
-        for step in range((load.number - 1 - held) % n):
-            a, phi = (
-                mpmath.mpf(scene.vertex.sector_angles[(held + step) % n]),
-                x[(held + step + 1) % n],
-            )
-            c, s = mpmath.cos(a), mpmath.sin(a)
-            turn *= mpmath.matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-            c, s = mpmath.cos(phi), mpmath.sin(phi)
-            turn *= mpmath.matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
-        far, angle = (mpmath.mpf(v) for v in load.place)
-        point = turn * mpmath.matrix([far * mpmath.cos(angle), far * mpmath.sin(angle), 0])
-        total -= sum(mpmath.mpf(f) * p for f, p in zip(load.force, point, strict=True))
-    return total
-
-
-def test_derivatives_agree_with_50_digits():
-    model = pose(FIVE)
-    x = np.random.default_rng(1).uniform(-3, 3, 5)
-    local, hessian = model.local(x), model.hessian(x, np.zeros(3))
-    with mpmath.workdps(50):
-        at = [mpmath.mpf(v) for v in x]
-
-        def energy(*phi):
-            return energy_with_50_digits(FIVE, phi)
-
-        assert float(energy(*at)) == pytest.approx(model.energy(x), rel=1e-14)
-        for i in range(5):
-            first = mpmath.diff(energy, at, tuple(int(i == k) for k in range(5)))
-            assert model.scale * local.gradient[i] == pytest.approx(float(first), abs=1e-14)
-            for j in range(i, 5):
-                order = tuple(int(i == k) + int(j == k) for k in range(5))
-                second = mpmath.diff(energy, at, order)
-                assert model.scale * hessian[i, j] == pytest.approx(float(second), abs=1e-13)
-        y = x + 1e-9 * np.array([1, -2, 0.5, 1, -1])
-        change = energy(*[mpmath.mpf(v) for v in y]) - energy(*at)
-        assert model.energy_change(x, y) == pytest.approx(float(change), rel=1e-13)
 
 
 def test_a_weight_on_the_crease_of_a_book_by_hand():

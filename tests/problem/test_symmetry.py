@@ -7,9 +7,8 @@ from hypothesis import given, settings, strategies as st
 
 from origami_nlp import Scene
 from origami_nlp.pattern_problem import pose
-from tests.independent.admissible import admissible
 from tests.independent.neighbours import Problem
-from tests.independent.rotations import fold, project, spin_sign
+from tests.independent.rotations import fold, project
 from tests.independent.scenes import SHAPES, build
 
 derandomized = settings(derandomize=True, max_examples=25, database=None)
@@ -84,41 +83,6 @@ def test_reduced_energy_is_the_energy_of_the_whole_state(case):
     assert math.isclose(scene.energy(phi), whole, rel_tol=1e-13)
     change = scene.energy(model.expand(y)) - whole
     assert math.isclose(model.energy_change(x, y), change, abs_tol=1e-12 * whole + 1e-12)
-
-
-@derandomized
-@given(cases)
-def test_reduced_closure_is_closure_of_the_whole_vertex(case):
-    _, scene, rng = scene_of(case)
-    model, p = pose(scene), Problem.of(scene)
-    # whole -> reduced: every admissible closed state solves the reduced equations
-    x, residual = project(p.sectors, p.orbit, rng.uniform(-3, 3, (24, p.size)))
-    phi = x[residual <= 1e-13][:, p.orbit]
-    for state in phi[admissible(p.sectors, phi)] if len(phi) else phi:
-        assert np.abs(model.constraints(model.reduce(state))[0]).max() <= 1e-12
-        assert model.lifts_to_one(model.reduce(state))
-    # reduced -> whole: every solution of the reduced equations closes, on the lift q = +1
-    solved = 0
-    for start in rng.uniform(-3, 3, (8, model.size)):
-        y = start
-        for _ in range(40):
-            g, jac = model.constraints(y)
-            step = np.linalg.lstsq(jac.reshape(len(g), -1), g, rcond=1e-5)[0]
-            y = y - step * min(1.0, 0.7 / max(float(np.linalg.norm(step)), 1e-300))
-        if np.abs(model.constraints(y)[0]).max() > 1e-14:
-            continue
-        state = model.expand(y)[None]
-        product = fold(p.sectors, state)[1][0]
-        tangent = np.linalg.svd(model.constraints(y)[1].reshape(len(g), -1), compute_uv=False)
-        if (
-            tangent[model.size - model.dof - 1] < 1e-3
-        ):  # near a singular state a small residual is a larger opening
-            continue
-        solved += 1
-        assert np.abs(product - np.eye(3)).max() <= 1e-10
-        assert (spin_sign(p.sectors, state)[0] > 0) == model.lifts_to_one(y)
-    if model.dof > 0:
-        assert solved
 
 
 @derandomized

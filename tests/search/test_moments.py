@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, State, Vertex, find_minima
-from origami_nlp.kkt import classify
+from origami_nlp import find_minima
 from origami_nlp.search.moment_map import MomentMap
 from tests.search.test_moment_map import draw
 
@@ -21,26 +20,6 @@ def test_every_minimum_is_a_zero_of_the_map(n):
             assert np.abs(shot.x[0] - minimum.fold_angles).max() <= 1e-7
             compared += 1
     assert compared >= 6
-
-
-def test_numbering_from_another_crease_changes_nothing():
-    scene, start = draw(30), 11
-    k = np.roll(np.arange(30), -start)
-    springs = (tuple(np.array(s)[k].tolist()) for s in (scene.stiffness, scene.rest_angles))
-    vertex = Vertex(tuple(np.array(scene.vertex.sector_angles)[k].tolist()))
-    other = Scene(vertex, *springs, "none", "fold-limits")
-    one, two = (
-        find_minima(s, effort="quick", max_starts=100, prove=False, escape=False)
-        for s in (scene, other)
-    )
-    x, y = (np.array([m.fold_angles for m in r.minima]) for r in (one, two))
-    apart = np.abs(x[:, k][:, None] - y).max(axis=2)
-    # the same starts, but for rounding, which sends a few on the border of two basins elsewhere
-    assert (apart.min(axis=0) < 1e-8).mean() > 0.8
-    assert (apart.min(axis=1) < 1e-8).mean() > 0.8
-    assert len(one.minima) > 5
-    for state in x[:, k][apart.min(axis=1) >= 1e-8]:  # and these are minima there as well
-        assert classify(State(two.model, state)).verdict == "minimum"
 
 
 def test_same_seed_same_answer():
