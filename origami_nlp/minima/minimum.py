@@ -97,12 +97,6 @@ class JudgedState(ShortRepr):
         Verdict without the imposed symmetry, where it was asked for.
     solver
         What IPOPT says when it is started at the state with its multipliers; None where it was not asked.
-    moment
-        The constant internal moment m of a vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
-        frame of the facet between crease N and crease 1 (`pattern_problem.PassingMoment`); None where it is not
-        determined.
-    moment_residual
-        Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
     winding
         How often the state winds round the axis of the symmetry; 1 without one (`Scene.windings`).
     softest_mode
@@ -138,8 +132,6 @@ class JudgedState(ShortRepr):
     crossings: tuple[tuple[int, int], ...] = field(default=(), metadata=OMIT)
     full_space: FullSpace | None = field(default=None, metadata=OMIT)
     solver: Confirmation | None = field(default=None, metadata=OMIT)
-    moment: tuple[float, float, float] | None = None
-    moment_residual: float = math.nan
     winding: int = field(default=1, metadata=OMIT)
     softest_mode: tuple[float, ...] = field(default=(), repr=False)
     escape: Escape | None = field(default=None, metadata=OMIT)

@@ -12,7 +12,6 @@ import numpy as np
 from origami_nlp.display import Table
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.rows import rounded
-from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 
 if TYPE_CHECKING:
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
@@ -27,13 +26,11 @@ def letter(number: int) -> str:
 
 
 def state_lines(m: JudgedState) -> Iterator[str]:
-    """Say what is known of a minimum: certificate, contacts, constant moment, escape path, and its full space."""
+    """Say what is known of a minimum: certificate, contacts, escape path, and its full space."""
     yield m.certificate
     for k, c in enumerate(m.contacts):
         if len(m.fold_angles) <= MOST_ANGLES or not c.is_limit:
             yield f"contact {letter(k)}: {c.words()}"
-    if m.moment is not None:
-        yield moment_words(m.moment, m.moment_residual)
     if (e := m.escape) is not None and m.local_dimension:
         to = f"#{e.to}" if e.to else "a state that is not listed"
         yield f"escape path: {e.method}" + (f", towards {to}" if e.known else f": {e.why}")
@@ -47,15 +44,6 @@ def state_lines(m: JudgedState) -> Iterator[str]:
             )
             way = f"descent that {f.unstable_mode} lands on" if f.unstable_mode else "it lands on"
             yield f"{way} {name}: {f.lands_on.kind}, {f.lands_on.energy:.6g} J"
-
-
-def moment_words(moment: Sequence[float], residual: float) -> str:
-    """Report the constant internal moment, or that there is none."""
-    largest = max(map(abs, moment))
-    vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
-    if residual > BALANCED * (1 + largest):
-        return f"no constant internal moment: ({vector}) N m leaves up to {residual:.2g} N m, which contacts carry"
-    return f"constant internal moment: ({vector}) N m, residual {residual_words(residual)} N m"
 
 
 def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterator[str]:

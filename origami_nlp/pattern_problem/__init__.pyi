@@ -52,7 +52,6 @@ from .layers import (
     order_layers as order_layers,
     pose_stack as pose_stack,
 )
-from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .orbits import Image as Image, Orbits as Orbits, orbits_of as orbits_of
 from .orders import TRANSITIVE as TRANSITIVE, Orders as Orders, Rules as Rules
 from .pop_signs import (

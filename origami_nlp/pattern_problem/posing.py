@@ -22,7 +22,6 @@ from origami_nlp.pattern import (
     winding_number,
 )
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
-from origami_nlp.pattern_problem.moment import PassingMoment, passing_moment
 from origami_nlp.pattern_problem.orbits import orbits_of
 from origami_nlp.pattern_problem.problem import PatternProblem
 
@@ -116,10 +115,6 @@ class VertexProblem(PatternProblem):
             return 0
         often = winding_number(self.scene.vertex, self.scene.group, self.expand(x))
         return often if often in self.scene.windings else 0
-
-    def passing_moment(self, fold_angles: np.ndarray) -> PassingMoment | None:
-        """Return the constant internal moment of a state [N]."""
-        return passing_moment(self.scene, self, fold_angles)
 
     def shape(self, sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return corners and fold angles of a reference state with given sector angles."""

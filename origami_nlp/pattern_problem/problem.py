@@ -132,10 +132,6 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         """Return how often a closed state winds round the axis of an imposed symmetry; 0 where none is asked for."""
         return 1
 
-    def passing_moment(self, fold_angles: np.ndarray) -> Any:
-        """Return the constant internal moment of a state [N] of one vertex; None of a sheet."""
-        return None
-
     def shape(self, sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return corners and fold angles of a reference state of one vertex with given sector angles."""
         raise NotImplementedError("sector angles of a sheet are not varied")

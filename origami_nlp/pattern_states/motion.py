@@ -36,7 +36,6 @@ from origami_nlp.pattern_problem import (
     FoldedLattice,
     FoldedTube,
     PatternProblem,
-    PopSigns,
     measured_cell,
     order_layers,
 )
@@ -172,7 +171,6 @@ class Motion(Report, Viewable):
         if self.lattices:
             numbers = [row.state for row in shown]
             yield lattice_table([self.lattices[k - 1] for k in numbers], numbers, "state")
-        yield from PopSigns(self.pattern).alarms(self.fold_angles)
         if self.layers:
             yield f"folded flat there: {self.layers}"
 

@@ -152,9 +152,6 @@ class Parts:
         if not (winding := self.problem.winding(self.at_state(state))):
             return
         state = replace(state, winding=winding)
-        minimum = state.verdict == "minimum"
-        if moment := self.problem.passing_moment(state.phi) if minimum else None:
-            state = replace(state, moment=moment.vector, moment_residual=moment.residual)
         near = (
             singular_beside(self.problem, self.at_state(state))
             if state.verdict == "undecided"
