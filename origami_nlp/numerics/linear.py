@@ -25,8 +25,6 @@ from origami_nlp.numerics.tolerances import (
 
 MOST_CORNERS = 1000
 """Choices of columns up to which corners are listed."""
-MOST_PIVOTS = 200
-"""Steps of the simplex method for one entry; the corner reached by then is one of the set all the same."""
 SMALL = 24
 """Rows or columns up to which systems are solved by singular values: they take no longer."""
 
@@ -171,70 +169,14 @@ def _solving(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
 
 
 def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.ndarray:
-    """Find corners of {mu >= 0: B mu = B inside} with the least and the largest of every entry: the simplex method.
+    """Find corners of {mu >= 0: B mu = B inside} with the least and the largest of every entry: the simplex method."""
+    from scipy.optimize import linprog  # heavy
 
-    It starts at `inside`, whose positive entries belong to independent columns, and goes from one answer to the
-    next question; Bland's rule (the first column that helps, the first of those it may replace) keeps it from running
-    in circles.  A pivot after which the basis would be dependent to `INDEPENDENT` is no corner, here as in the list.
-    """
-    r = b.shape[1]
-    c = b @ inside
-    basis = _basis(b, inside)
-    if not _independent(b[:, basis]):
-        return np.zeros((0, r))
-    found = []
-    for k, sign in [(k, 1.0) for k in range(r)] + [(k, -1.0) for k in np.flatnonzero(bounded)]:
-        for _ in range(MOST_PIVOTS):
-            table = np.linalg.solve(b[:, basis], np.column_stack([b, c]))
-            # reduced costs of the objective sign mu_k
-            cost = -sign * (basis == k) @ table[:, :r]
-            cost[k] += sign
-            cost[basis] = 0.0
-            pivots = (_pivot(b, basis, table, int(j)) for j in np.flatnonzero(cost < -INDEPENDENT))
-            better = next((p for p in pivots if p is not None), None)
-            if better is None:
-                break
-            basis = better
-        mu = np.zeros(r)
-        mu[basis] = np.maximum(np.linalg.solve(b[:, basis], c), 0.0)
-        found.append(refined(b, c, mu))
-    return _solving(b, c, np.array(found))
-
-
-def _pivot(b: np.ndarray, basis: np.ndarray, table: np.ndarray, new: int) -> np.ndarray | None:
-    """Return the basis after column `new` has entered; None where it is unbounded along it, or would be dependent."""
-    column, level = table[:, new], np.maximum(table[:, -1], 0.0)
-    falls = column > INDEPENDENT
-    ratio = np.where(falls, level, np.inf) / np.where(falls, column, 1.0)
-    least = np.flatnonzero(falls & (ratio <= ratio.min(initial=np.inf) * (1 + LEVEL)))
-    for row in least[basis[least].argsort()]:
-        after = basis.copy()
-        after[row] = new
-        if _independent(b[:, after]):
-            return after
-    return None
-
-
-def _independent(columns: np.ndarray) -> bool:
-    """Return whether columns [t, k] are a basis, by their smallest singular value."""
-    t, k = columns.shape
-    return t == k and bool(np.linalg.svd(columns, compute_uv=False).min(initial=1.0) > INDEPENDENT)
-
-
-def _basis(b: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Choose independent columns, as many as B [t, r] has rows: those of the positive entries of `inside` first."""
-    chosen: list[int] = []
-    left = b.copy()
-    for first in (inside > 0, np.ones(b.shape[1], dtype=bool)):
-        while len(chosen) < len(b):
-            size = np.where(first, np.linalg.norm(left, axis=0), 0.0)
-            k = int(size.argmax())
-            if size[k] <= INDEPENDENT:
-                break
-            chosen.append(k)
-            unit = left[:, k] / size[k]
-            left -= np.outer(unit, unit @ left)
-    return np.array(chosen)
+    c, unit = b @ inside, np.eye(b.shape[1])
+    costs = [*unit, *-unit[bounded]]
+    ends = (linprog(cost, A_eq=b, b_eq=c, method="highs-ds").x for cost in costs)
+    found = [refined(b, c, mu) for mu in ends if mu is not None]
+    return _solving(b, c, np.array(found).reshape(-1, b.shape[1]))
 
 
 def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
