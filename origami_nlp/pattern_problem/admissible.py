@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -104,5 +104,4 @@ def pose_paper(origami: Vertex | Stated) -> PatternProblem:
     if isinstance(origami, Vertex):
         n = origami.degree
         origami = Scene(origami, (1.0,) * n, (0.0,) * n, symmetry="none")
-    stated = as_origami(origami)
-    return pose(replace(stated, contact="full") if isinstance(stated, Scene) else stated)
+    return pose(as_origami(origami).with_contact("full"))
