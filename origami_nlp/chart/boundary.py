@@ -126,9 +126,9 @@ def trace_boundary(scene: Scene) -> Boundary:
 
 
 def outline_of(scene: Scene) -> Boundary | None:
-    """Return the boundary of a scene's chart; None where contact is not full, and where it cannot be told."""
+    """Return the boundary of a scene's chart; None where contact is not full, of stops, and where it cannot be told."""
     try:
-        return trace_boundary(scene) if scene.contact == "full" else None
+        return trace_boundary(scene) if scene.contact == "full" and not scene.limits else None
     except MeshError:
         return None
 
@@ -184,7 +184,7 @@ def _line(
         if on >> CUT & 1:
             states[:, -2] = np.copysign(np.pi, x[far, -2])
         base, leaf = np.insert(base, far + 1, new, axis=0), np.insert(leaf, far + 1, side)
-        x = np.insert(x, far + 1, cover.chain.limits.clip(states), axis=0)
+        x = np.insert(x, far + 1, np.clip(states, -np.pi, np.pi), axis=0)
     phi = x[:, cover.chain.orbit]
     s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
     line = BoundaryLine((), branch, cells.chart.points(phi), phi, s, thin)

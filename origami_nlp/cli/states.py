@@ -161,8 +161,8 @@ def landscape(
     if chart_of(stated) is None:
         why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
-    if stated.contact != "full":
-        out.refuse(f"the admissible space needs contact = 'full', not {stated.contact!r}", "json")
+    if stated.contact != "full" or stated.limits:
+        out.refuse("the admissible space needs contact = 'full', and no stops", "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
     with progress(f"{name}: boundary, passes between minima"):
         exact = paper.find_landscape(result, size=size)

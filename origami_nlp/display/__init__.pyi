@@ -39,7 +39,6 @@ from .states_figure import (
     lay_out_states as lay_out_states,
 )
 from .style import (
-    BAND as BAND,
     BORDER as BORDER,
     FLAT as FLAT,
     HANDLE as HANDLE,

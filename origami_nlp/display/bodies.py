@@ -78,8 +78,6 @@ class Mark:
     ----------
     label
         Short, beside the mark.
-    text
-        In words, under the pointer.
     loaded
         Whether it pushes; else it only touches.
     creases, facets
@@ -87,7 +85,6 @@ class Mark:
     """
 
     label: str
-    text: str
     loaded: bool
     creases: tuple[int, ...] = ()
     facets: tuple[int, ...] = ()

@@ -79,7 +79,7 @@ def _mark(model: Any, letter: str, contact: ContactForce) -> Mark:
         facets |= {int(image.facets[f - 1]) for f in contact.facets}
     pieces = tuple(k for k, f in enumerate(model.crossings.facet.tolist()) if f in facets)
     at = tuple(c - 1 for c in contact.creases), pieces
-    return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
+    return Mark(f"{letter} {moment}", high > 0, *at)
 
 
 def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:

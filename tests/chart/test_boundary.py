@@ -73,15 +73,3 @@ def same_region(scene: o.Scene, found: Boundary, size: int) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_region_is_the_admissible_set(name):
     same_region(SCENES[name], boundary(name), 157)
-
-
-def test_lines_between_stops_end_the_states_too():
-    """Stops are contacts of the boundary; where branches meet in a fold no region is claimed."""
-    scene = replace(o.examples.degree6("pi/4"), limits=(-2.0, 1.5))
-    found = trace_boundary(scene)
-    assert any("(stop)" in name for line in found.lines for name in line.contacts)
-    same_region(scene, found, 101)
-    vertex = o.Vertex(("pi/8", "5*pi/24", "5*pi/24", "pi/8") * 3)
-    wedge = o.Scene(vertex, (1.0,) * 12, (0.0,) * 12, "D3", mirror=1)
-    assert trace_boundary(wedge).lines and not trace_boundary(wedge).regions
-    assert outline_of(o.examples.degree8("pi/12", contact="none")) is None
