@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import inspect as introspection
-import textwrap
 from collections import Counter
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +16,10 @@ from origami_nlp.errors import FoldFileError, OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Scene
+
+
+DEGREES = "# sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.\n"
+"""First line of a scene file that is to be edited."""
 
 
 @writes("json", "scene", "fold", "figure", "html", verbose=True)
@@ -45,7 +46,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
         out.refuse("a page shows the motion: give --path", "html")
         out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
     try:
-        seen = analyze_mobility(origami.read_pattern(), seed=seed)
+        seen = analyze_mobility(origami.read_whole(), seed=seed)
         motion = find_motion(seen.pattern, seen, seed=seed) if path else None
     except FoldFileError as error:
         if path or out.files("fold", "html"):
@@ -115,7 +116,7 @@ def check(
     if orders:
         if not one:
             raise OptionError("--orders is of one ORIGAMI: give one")
-        return layer_orders(Source.of(files[0]).read_pattern())
+        return layer_orders(Source.of(files[0]).read_whole())
     out.refuse("orders of layers are written with --orders", "fold")
     if not one:
         out.refuse("a picture is of one file: give one", "figure")
@@ -216,13 +217,5 @@ def example(
             raise OptionError(f"NAME = {name!r} is a crease pattern, no vertex: give -o FILE.fold")
         if cell or (any(size) and not out.files("fold")):
             raise OptionError(f"NAME = {name!r} is of a pattern, cell or size: give -o FILE.fold")
-        text = _about(examples.maker(word)) + format_scene(examples.by_name(word, **given))
+        text = DEGREES + format_scene(examples.by_name(word, **given))
         out.or_stdout("scene").write("scene", lambda: text)
-
-
-def _about(make: Callable[..., Any]) -> str:
-    """Return what an example is as the first lines of its file."""
-    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0].removeprefix("Make ")
-    lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
-    lines.append("Yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.")
-    return "".join(f"# {line}\n" for line in lines)

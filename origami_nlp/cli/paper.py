@@ -43,13 +43,9 @@ def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.
     files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
     out.check(*(("--folder", file) for file in files))
     results = _search_panels(clock, seed, full=True)
-    shown = [
-        results[[r.scene.name for r in results].index(scene.name)]
-        for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
-    ]
-    seconds = sum(r.search.seconds for r in results)
-    title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    out.say(*shown, scenes_table(results, title))
+    pictured = (examples.degree6("pi/3", 1.0).name, examples.degree8("pi/4", 1.0).name)
+    shown = [r for name in pictured for r in results if r.scene.name == name]
+    out.say(*shown, scenes_table(results, "all panels of the paper: stable in the full space"))
     write_json([r.to_dict() for r in results], files[0])
     for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)

@@ -37,7 +37,9 @@ class InteractivePage:
         self.content = content
 
     def __repr__(self) -> str:
-        return f"InteractivePage({self.content.title}: last line of a cell in Jupyter, or .save(file))"
+        return (
+            f"InteractivePage({self.content.title}: last line of a cell in Jupyter, or .save(file))"
+        )
 
     def _repr_html_(self) -> str:
         # a frame of its own: several pages in one notebook do not meet

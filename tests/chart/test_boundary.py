@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import shapely
@@ -15,8 +13,6 @@ from origami_nlp.chart import (
     chart_limits,
     chart_of,
     fold_vertex,
-    outline_of,
-    trace_boundary,
 )
 from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import PANELS, panel_boundary, thinned
