@@ -49,7 +49,6 @@ from .style import (
     METASTABLE as METASTABLE,
     MOUNTAIN as MOUNTAIN,
     PASSES as PASSES,
-    RING as RING,
     UPPER as UPPER,
     VALLEY as VALLEY,
     VERDICTS as VERDICTS,

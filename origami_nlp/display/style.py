@@ -76,8 +76,6 @@ INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0000
 """Okabe and Ito's colours, for what has no meaning of its own."""
 HANDLE: dict[str, Any] = {"color": "#7B1FA2", "lw": 2.2, "ls": (0, (3.0, 1.6)), "zorder": 4}
 """Line of a 1-handle, on which states exist only at |phi| = pi exactly."""
-RING: dict[str, Any] = {"marker": "o", "mfc": "none", "mec": "black", "mew": 1.1, "ls": "none"}
-"""Around a point of a chart that several states share."""
 
 
 def energy_colours() -> Colormap:

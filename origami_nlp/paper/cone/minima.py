@@ -309,7 +309,7 @@ def count_map(
     each = np.repeat(given, len(branches))
     for k, elevation in enumerate(columns):
         rest = branches.cone.at_rest(elevation)
-        rows, s, at_end, *_ = minima_of(every, rest, each)
+        rows, _, at_end, *_ = minima_of(every, rest, each)
         kind = _kinds(every[rows], at_end)
         for of in range(3):
             often = np.bincount(rows[kind == of], minlength=len(each))
