@@ -44,7 +44,7 @@ def test_stretches_are_those_of_the_segments_and_on_the_map():
     (part,), (segment,) = exact.metastable, panel_contacts().segments.segments
     assert part.length == pytest.approx(segment.length, rel=1e-3)
     assert not part.hidden and part.contacts == ("phi = -pi at creases 1, 5",)
-    line = next(ln for ln in exact.boundary.lines if ln.contacts == part.contacts)
+    line = next(ln for ln in exact.boundary if ln.contacts == part.contacts)
     curve = with_energy(result.model, line)
     slope = np.gradient(curve.energy, curve.s)
     assert np.abs(slope - curve.slope)[5:-5].max() < 2e-3 * np.abs(curve.slope).max()
