@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 import time
 from dataclasses import replace
 
@@ -131,24 +129,6 @@ def test_a_command_whose_time_is_over_ends_soon_with_one_code(here, line):
     assert "Traceback" not in done.out + done.err and "internal" not in done.err
     assert "time limit" in " ".join(done.out.split()), done
     assert not any(name.startswith("origami-nlp-error") for name in os.listdir(here))
-
-
-def test_processes_of_a_pool_end_with_the_time():
-    words = [sys.executable, "-m", "origami_nlp", "paper", "verify", "--seconds", "2"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == Ended.OUT_OF_TIME and "time limit" in done.stderr + done.stdout
-
-
-def test_what_was_found_before_the_time_was_over_is_written(here, monkeypatch):
-    """Of a command whose second step has no time left: what its first one found."""
-
-    def wait(*_, **__):
-        time.sleep(60)
-
-    monkeypatch.setattr("origami_nlp.contact.find_contacts", wait)
-    done = run("contacts", "miura.toml", "--seconds", 2, "-o", "out.json", "-o", "out.html")
-    assert done.code == Ended.OUT_OF_TIME and (here / "out.html").exists()
-    assert json.loads((here / "out.json").read_text())["minima"]
 
 
 def test_what_was_found_is_kept_by_ctrl_c(here, monkeypatch):
