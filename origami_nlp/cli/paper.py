@@ -142,7 +142,7 @@ def foldings(degree: int = o.DEGREE) -> Any:
     return cones.Foldings.of(degree, degree <= LISTED)
 
 
-@writes("json", "csv", "figure")
+@writes("json", "figure")
 def phase(
     degree: int = o.DEGREE,
     rest: str = o.REST_RULE,

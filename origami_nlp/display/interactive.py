@@ -191,11 +191,9 @@ def kept_states(track: Trajectory, most: int) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        Their numbers, in order, evenly along the parameter.
+        Their numbers, in order.
     """
-    s = track.parameter * np.sign(track.parameter[-1] - track.parameter[0])
-    if len(s) <= most:
-        return np.arange(len(s))
-    even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)
+    many = len(track.states)
     top = int(np.argmax([state.energy for state in track.states]))
-    return np.unique([0, *even.tolist(), top, len(s) - 1])
+    even = np.linspace(0, many - 1, min(many, most)).round().astype(int)
+    return np.unique([*even.tolist(), top])

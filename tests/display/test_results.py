@@ -56,7 +56,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "Space": (lambda r: len(r.components), False, True, False),
     "Barriers": (lambda r: len(r.passes), True, True, True),
     "ExactLandscape": (None, True, True, False),
-    "PhaseDiagram": (lambda r: r.map.total.size, True, True, False),
+    "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "MeasuredHinge": (lambda r: len(r.angle), True, True, True),
     "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),
