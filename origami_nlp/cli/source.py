@@ -17,7 +17,7 @@ from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
-    from origami_nlp.pattern import Frame, Pattern, Scene
+    from origami_nlp.pattern import Frame, Scene
 
 
 REPEATS = ("cell", "rolled")
@@ -122,7 +122,7 @@ class Source:
         kept = self._of("symmetry", "contact")
         return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
-    def read_whole(self) -> Scene | Pattern:
+    def read_whole(self) -> Any:
         """Return the scene of a scene file or of the vertex that is asked for, else the whole pattern."""
         if not self.is_whole:
             return self.read()

@@ -9,7 +9,6 @@ import pytest
 
 from origami_nlp import design, examples, format_scene
 from origami_nlp.cli import Ended
-from origami_nlp.cli.timed import Clock
 from tests.cli.test_design import TWO
 from tests.cli.test_seconds import slow_vertex
 from tests.command_line import run
@@ -142,22 +141,6 @@ def test_what_was_found_is_kept_by_ctrl_c(here, monkeypatch):
     done = run("minima", "miura.toml", "--prove", 0, "-o", "out.json")
     assert done.code == Ended.INTERRUPTED
     assert json.loads((here / "out.json").read_text())["minima"]
-
-
-@pytest.mark.parametrize("then", ["goes on", "fails"])
-def test_a_library_that_swallows_the_end_of_the_time_is_ended_all_the_same(then):
-    """CasADi tries its conversions of arguments one after another, and takes any exception for "not this one"."""
-
-    def command():
-        try:
-            time.sleep(60)
-        except BaseException:
-            if then == "fails":
-                raise AttributeError("'SX' object has no attribute 'full'") from None
-        time.sleep(60)
-
-    clock = Clock(0.01)
-    assert clock.run(command) is None and clock.late
 
 
 def test_codes_are_those_of_the_page():
