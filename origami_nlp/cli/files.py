@@ -97,12 +97,12 @@ def hinge(data: str = o.HINGE_DATA) -> Any:
 @writes("json", "figure", "fold", verbose=True)
 def check(
     out: Output,
-    files: list[str] = o.FILES,
+    file: str = o.CHECKED,
     frame: int | None = o.CHECKED_FRAME,
     tolerance: float | None = o.TOLERANCE,
     orders: bool = o.ORDERS,
 ) -> Any:
-    """Check whether folded states are real, and whether crease patterns fold flat: all faults, with place and size.
+    """Check whether a folded state is real, and whether a crease pattern folds flat: all faults, with place and size.
 
     Lengths as in the crease pattern, plane faces, fold angles and letters as the coordinates have them, closure,
     faces that pass through each other, faceOrders; of a crease pattern Kawasaki, Maekawa and layers.
@@ -110,33 +110,14 @@ def check(
     --orders: of the state that the file describes, or the pattern folded flat, with unassigned creases as mountain or
     valley.
     """
-    from origami_nlp.validity import Validity, check as check_file, layer_orders
+    from origami_nlp.validity import check as check_file, layer_orders
 
-    one = len(files) == 1
     if orders:
-        if not one:
-            raise OptionError("--orders is of one ORIGAMI: give one")
-        return layer_orders(Source.of(files[0]).read_whole())
+        return layer_orders(Source.of(file).read_whole())
     out.refuse("orders of layers are written with --orders", "fold")
-    if not one:
-        out.refuse("a picture is of one file: give one", "figure")
-    seen, ends = list[Validity](), Counter[str]()
-    for file in files:
-        try:
-            seen.append(check_file(file, frame=frame, tolerance=tolerance))
-            ends[seen[-1].verdict] += 1
-            out.say(seen[-1])
-        except (FoldFileError, OptionError) as error:
-            if one:
-                raise
-            ends["not read"] += 1
-            out.say(f"{file}: not read: {error}")
-    if not one:
-        counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
-        out.say(f"{len(files)} files: {', '.join(counts)}")
-    out.write("json", lambda: seen[0].to_dict() if one else [s.to_dict() for s in seen])
-    out.write("figure", lambda: seen[0].draw())
-    return Ended.WRONG if ends["not read"] else Ended(ends["valid"] < ends.total())
+    seen = check_file(file, frame=frame, tolerance=tolerance)
+    out.report(seen)
+    return Ended.DONE if seen.verdict == "valid" else Ended.NO
 
 
 @writes()

@@ -66,7 +66,7 @@ def _claims() -> list[str]:
 
 _KINDS = "a vertex by its scene file (TOML); a pattern by its FOLD file or drawing; - for stdin"
 ORIGAMI = _argument("ORIGAMI", f"What is folded: {_KINDS}; or an example by name, as miura:8x8.")
-FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
+CHECKED = _argument("ORIGAMI", "FOLD file, drawing, - for stdin, or an example such as miura:8x8.")
 SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
 PROOF = _argument("FILE", "Proof (JSON), or - for stdin.")
