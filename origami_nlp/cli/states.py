@@ -55,7 +55,7 @@ def minima(
     method: str = o.METHOD,
     full: bool | None = o.FULL,
     noise: float | None = o.NOISE,
-    prove: str | None = o.PROVE,
+    prove: bool | None = o.PROVE,
     certificate: str | None = o.CERTIFICATE,
 ) -> Any:
     """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
@@ -76,7 +76,7 @@ def minima(
     options: Any = {"max_starts": max_starts, "starts": starts, "full": full, "noise": noise}
     options |= {"method": method, "seed": seed, "effort": effort}
     # a certificate asks for a proof
-    options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
+    options["prove"] = True if prove is None and certificate is not None else prove
     found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found

@@ -24,7 +24,7 @@ count = 40
 """
 CODES = {
     "inspect miura:2x2": Ended.DONE,
-    "minima miura.toml --prove 0": Ended.DONE,
+    "minima miura.toml --no-prove": Ended.DONE,
     "check flat.fold": Ended.DONE,
     "check miura:2x2": Ended.NO,
     "check nowhere.fold": Ended.WRONG,
@@ -93,7 +93,7 @@ def test_how_a_command_ends(here, line):
 @pytest.mark.parametrize(
     "line",
     [
-        "minima miura.toml --prove 0",
+        "minima miura.toml --no-prove",
         "inspect miura:2x2 --path",
         "design two.toml",
         "check flat.fold",
@@ -136,7 +136,7 @@ def test_what_was_found_is_kept_by_ctrl_c(here, monkeypatch):
         raise Interrupted(find(*given, **options))
 
     monkeypatch.setattr("origami_nlp.verbs.find_minima", late)
-    done = run("minima", "miura.toml", "--prove", 0, "-o", "out.json")
+    done = run("minima", "miura.toml", "--no-prove", "-o", "out.json")
     assert done.code == Ended.INTERRUPTED
     assert json.loads((here / "out.json").read_text())["minima"]
 
