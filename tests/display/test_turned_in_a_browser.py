@@ -97,7 +97,7 @@ def test_nothing_is_wider_than_the_screen(opened: Browser, width: int) -> None:
     opened.until(f"innerWidth === {width}")
     opened.until("$('space').clientWidth === $('space').querySelector('canvas').clientWidth")
     assert opened.ask("document.documentElement.scrollWidth") <= width
-    for name in ("state", "path", "step", "play", "before", "after"):
+    for name in ("state", "path", "step", "before", "after"):
         left, right = opened.ask(
             f"(() => {{const r = $('{name}').getBoundingClientRect(); return [r.left, r.right]}})()"
         )

@@ -12,7 +12,7 @@ const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain"
 const ALONE = location.hash === "#turning";
 const SPEED = ALONE && !matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.3 : 0;  // of turning by itself [rad/s]
 const BY_KEY = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
-const scene = {data: null, station: 0, track: -1, step: 0, playing: null, key: null};
+const scene = {data: null, station: 0, track: -1, step: 0, key: null};
 
 // ---------------------------------------------------------------- small vectors and words
 
@@ -75,16 +75,15 @@ function marksOf(state, marks, towards, right) {
         const a = state.corners[c.start], b = state.corners[c.end], axis = unit(sub(b, a));
         const out = add(times(normal[c.right], Math.cos(half)), times(cross(axis, normal[c.right]), Math.sin(half)));
         const at = add(add(times(a, 1 - t), times(b, t)), times(add(shift(state, c.right), shift(state, c.left)), 0.5));
-        return [at, out, state.angles[n]];
+        return [at, out];
       }),
       ...mark.facets.map(f => {
         const ring = outline(state, body.facets[f]);
-        return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f], 0];
+        return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f]];
       })];
-    found.forEach(([at, out, phi], n) => {
-      // what is fully folded has an outside only: above a mountain, below a valley
-      const closed = Math.abs(phi) > 2, seen = closed ? -Math.sign(phi) : dot(out, towards) >= 0 ? 1 : -1;
-      for (const side of closed ? [seen] : [seen, -seen])
+    found.forEach(([at, out], n) => {
+      const seen = dot(out, towards) >= 0 ? 1 : -1;
+      for (const side of [seen, -seen])
         places.push({place: add(at, times(out, side * off)), loaded: mark.loaded});
       if (n) return;
       const place = add(at, times(out, seen * off));
@@ -281,7 +280,7 @@ function draw() {
   const now = current(), track = scene.data.tracks[scene.track], onPath = scene.track >= 0;
   $("state").value = scene.station;
   $("path").value = scene.track + 1;
-  $("step").disabled = $("play").disabled = !onPath;
+  $("step").disabled = !onPath;
   $("step").max = onPath ? track.states.length - 1 : 0;
   $("step").value = scene.step;
   let said = `energy ${number(now.energy)} J`;
@@ -299,21 +298,13 @@ function draw() {
   drawSpace(); drawProfile();
 }
 
-function stop() {
-  clearInterval(scene.playing);
-  scene.playing = null;
-  $("play").innerHTML = "&#9654;";
-}
-
 function chooseState(n) {
-  stop();
   const count = scene.data.stations.length;
   Object.assign(scene, {station: (n + count) % count, track: -1, step: 0});
   draw();
 }
 
 function choosePath(n) {
-  stop();
   Object.assign(scene, {track: n, step: 0});
   if (n >= 0 && scene.data.tracks[n].start !== null) scene.station = scene.data.tracks[n].start;
   draw();
@@ -342,17 +333,6 @@ $("path").onchange = event => choosePath(Number(event.target.value) - 1);
 $("step").oninput = event => { scene.step = Number(event.target.value); draw(); };
 $("numbers").onchange = drawSpace;
 $("upright").onclick = () => lookFrom(current().view);
-$("play").onclick = () => {
-  if (scene.playing) return stop();
-  const last = scene.data.tracks[scene.track].states.length - 1;
-  if (scene.step === last) scene.step = 0;
-  $("play").textContent = "❚❚";
-  scene.playing = setInterval(() => {
-    scene.step += 1;
-    draw();
-    if (scene.step >= last) stop();
-  }, 90);
-};
 window.onresize = () => { if (scene.data) drawProfile(); };  // it fits the width
 document.body.classList.toggle("alone", ALONE);
 openSpace();
