@@ -111,8 +111,7 @@ class Audit(Report):
         numbers.append([sum(column) for column in zip(*numbers, strict=True)])
         titles = [*(p.title for p in self.panels), "all"]
         rows = [[title, *map(str, row)] for title, row in zip(titles, numbers, strict=True)]
-        columns, last = "l" + "R" * (len(HEADS) - 1), len(self.panels) - 1
-        return Table(HEADS, rows, "published candidates", columns, ends=[last])
+        return Table(HEADS, rows, "published candidates", "l" + "R" * (len(HEADS) - 1))
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table."""
