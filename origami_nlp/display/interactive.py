@@ -130,7 +130,6 @@ def page_data(content: Content) -> dict[str, Any]:
     creases = [crease._asdict() for crease in content.body.creases]
     return {
         "title": content.title,
-        "note": content.note,
         "steps": content.steps,
         "body": {**vars(content.body), "creases": creases},
         "stations": [_station(station) for station in content.stations],
@@ -174,7 +173,6 @@ def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
         "energy": [track.states[k].energy for k in kept],
         "view": _plain(track.view, 6),
         "start": track.start,
-        "end": track.end,
     }
 
 

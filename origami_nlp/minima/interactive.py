@@ -91,7 +91,7 @@ def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
             where = f"state {end}" if end else "an asymmetric state" if lands else "a lower state"
             title = f"{k + 1} → {where}: descent without the symmetry"
             angles, energies = [s.fold_angles for s in steps], [s.energy for s in steps]
-            yield poser.track(title, angles, energies, start=k, end=end - 1 if end else None)
+            yield poser.track(title, angles, energies, start=k)
 
 
 def _curves(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:

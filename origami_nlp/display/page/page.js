@@ -286,7 +286,6 @@ function draw() {
   let said = `energy ${number(now.energy)} J`;
   if (onPath) said += `; step ${scene.step + 1} of ${track.states.length}` +
     (track.of > track.states.length ? ` shown (${track.of} stored)` : "");
-  else if (scene.data.note) said += `. ${scene.data.note}`;
   $("where").textContent = said;
   const lines = onPath
     ? [`${scene.data.steps} Contacts are marked on chosen states only.`,
