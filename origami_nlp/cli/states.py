@@ -137,19 +137,14 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 @writes("json", "figure", "html", verbose=True)
 def landscape(
     origami: Source,
-    out: Output,
     clock: Clock,
     size: int = o.SIZE,
     space: bool = o.SPACE,
     critical: bool = o.CRITICAL,
     seed: int = o.SEED,
 ) -> Any:
-    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes.
-
-    Passes between minima are for -o FILE.json; barriers lists them.
-    """
+    """Map the energy landscape of a vertex: exact boundaries, and minima; or its space, or critical points."""
     from origami_nlp import paper
-    from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
 
     stated = origami.read()
@@ -161,18 +156,9 @@ def landscape(
     if chart_of(stated) is None:
         why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
-    if stated.contact != "full" or stated.limits:
-        out.refuse("the admissible space needs contact = 'full', and no stops", "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
-    with progress(f"{name}: boundary, passes between minima"):
-        exact = paper.find_landscape(result, size=size)
-        out.say(exact)
-        if out.files("json"):
-            passes = find_barriers(stated, result, seed=seed)
-            more = paper.find_space(stated), paper.find_critical_points(stated), passes
-            out.write("json", paper.landscape_to_dict, exact, *more)
-    out.write("figure", paper.draw_landscape, exact)
-    out.page(exact.result)
+    with progress(f"{name}: boundary"):
+        return paper.find_landscape(result, size=size)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)

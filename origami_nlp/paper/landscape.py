@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,14 +22,8 @@ from origami_nlp.chart import (
 )
 from origami_nlp.contact import flat_parts
 from origami_nlp.display import Report, Section, record_table
-from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import pose
-
-if TYPE_CHECKING:
-    from origami_nlp.barriers import Barriers
-    from origami_nlp.paper.morse import CriticalPoints
-    from origami_nlp.paper.space import Space
 
 PIECE = 0.01
 """Spacing [rad of arclength] of the points of a metastable stretch."""
@@ -194,23 +187,3 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
             out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))
     return tuple(out)
-
-
-def landscape_to_dict(
-    exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
-) -> dict[str, Any]:
-    """Return everything known of a landscape as plain JSON data.
-
-    Parameters
-    ----------
-    exact, space, critical, barriers
-        Of `find_landscape`, `find_space`, `find_critical_points` and `find_barriers`, of one scene.
-
-    Returns
-    -------
-    dict
-        ``exact.to_dict()`` and, under their names, the plain data of the others.
-    """
-    parts = to_plain({"space": space, "critical": critical, "barriers": barriers})
-    del parts["barriers"]["result"]
-    return {**exact.to_dict(), **parts}
