@@ -24,7 +24,6 @@ _MAKERS = {
     "Barriers": "a Barriers: what find_barriers(scene) returns",
     "ExactLandscape": "an ExactLandscape: what find_landscape(result) returns",
     "PhaseDiagram": "a PhaseDiagram: what phase_diagram(degree) returns",
-    "Boundary": "a Boundary: what trace_boundary(scene) returns",
     "Frame": "a Frame: one of those that read_fold(file) returns",
     "ReducedVertex": "a ReducedVertex: ReducedVertex(scene); a pattern is searched for (find_minima), not proved",
     "Sweep": "a Sweep: what read_sweep(file) returns",

@@ -120,8 +120,7 @@ def save(result: Result, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     result
-        Anything that a `find_` function returned (`paper.landscape_to_dict` has a landscape with its space,
-        critical points and barriers).
+        Anything that a `find_` function returned.
     path
         The file.
 

@@ -159,7 +159,6 @@ CASES = [
     case(cone.count, "cone", (5, 4002, *WHOLES), ratio=1.0, elevation=0.5),
     case(cone.count, "ratio", (0, *NUMBERS), cone=6, elevation=0.5),
     case(cone.count, "elevation", (4, *NUMBERS[:-4]), **CONE),
-    case(cone.count, "depth", (2, *NUMBERS), elevation=0.5, **CONE),
     case(cone.full_space, "cone", (5, *WHOLES), ratio=1.0, elevation=0.5),
     case(cone.full_space, "ratio", (0, *NUMBERS), cone=6, elevation=0.5),
     case(cone.full_space, "progress", CALLS, elevation=0.5, **CONE),

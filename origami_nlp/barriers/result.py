@@ -255,6 +255,6 @@ class Barriers(Report, Viewable):
         for p in sorted(joined, key=lambda p: p.energy):
             start, end = (k - 1 for k in p.pair)
             title = f"{start + 1} → {end + 1} over the pass at {p.energy:.6g} J ({p.pass_kind})"
-            tracks.append(poser.track(title, p.path, p.path_energy, start=start, end=end))
+            tracks.append(poser.track(title, p.path, p.path_energy, start=start))
         pieces = (*self.report_sections(), *content.pieces)
         return replace(content, tracks=(*content.tracks, *tracks), pieces=pieces)

@@ -1,4 +1,4 @@
-"""Putting a landscape into matplotlib Axes: areas cut at exact boundaries, or curves.
+"""Putting a landscape into matplotlib Axes: areas within exact boundaries, or curves.
 
 Colours and lines are those of `display.style`; minima and passes are marked by who knows them.
 """
@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
 
 from origami_nlp.chart.boundary import Boundary
 from origami_nlp.chart.chart import chart_limits, chart_of
@@ -31,8 +29,6 @@ WHITE = {
     "none": "no closed state with all |φ| ≤ π",
 }
 """What is white in a picture, by the contact of the scene."""
-UNSEEN = 1e-3
-"""By how much the edge that cuts colours may leave the exact one [rad]: a tenth of a pixel, under a line."""
 
 
 def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
@@ -52,7 +48,7 @@ def draw_area(
     boundary: Boundary | None,
     line: float = 1.1,
 ) -> Any:
-    """Draw branches of a landscape, cut exactly at their boundary.
+    """Draw branches of a landscape, and their exact boundary.
 
     Parameters
     ----------
@@ -65,7 +61,7 @@ def draw_area(
     norm
         Of `norm_of`.
     boundary
-        Of `outline_of`; without regions colours end at cells of the grid.
+        Of `outline_of`.
     line
         Width of a boundary [points].
 
@@ -76,14 +72,9 @@ def draw_area(
     """
     image, whole = None, chart_of(chart.scene)
     assert whole is not None
-    for k in branches:
-        region, at = None, chart.branches[k].axes
-        energy = chart.branches[k].energy
-        if boundary and boundary.regions:  # which cut: states beyond them have energies too
-            region = boundary.regions[k]
-            energy = np.asarray(chart.scene.energy(whole.fold_angles(k, *np.meshgrid(*at))))
-        image = _draw_energy(axes, at, energy, region, norm, line)
-    for one in boundary.lines if boundary else ():
+    for branch in (chart.branches[k] for k in branches):
+        image = _draw_energy(axes, branch.axes, branch.energy, norm, line)
+    for one in boundary or ():
         if one.branch in branches and not one.hidden:
             look: dict[str, Any] = {"color": INK, "linewidth": line}
             look = HANDLE | {"lw": 1.9 * line} if one.thin else look
@@ -115,18 +106,14 @@ def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) 
     entries: list[Any] = []
     if boundary:
         entries.append(Line2D([], [], color=INK, linewidth=line, label="contact"))
-        if any(each.thin for each in boundary.lines):
+        if any(each.thin for each in boundary):
             entries.append(Line2D([], [], **HANDLE | {"lw": 1.9 * line}, label="1-handle"))
     white = WHITE[chart.scene.contact]
     return [*entries, patch("white", f"{white}, or stops" if chart.scene.limits else white)]
 
 
-def _draw_energy(
-    axes: Any, at: Any, energy: np.ndarray, region: Any, norm: Normalize, line: float
-) -> Any:
-    """Draw the colours and contour lines of one branch, cut at its exact boundary."""
-    from shapely import get_parts
-
+def _draw_energy(axes: Any, at: Any, energy: np.ndarray, norm: Normalize, line: float) -> Any:
+    """Draw the colours and contour lines of one branch, up to the cells of the grid that have no state."""
     energy = np.ma.masked_invalid(energy)
     # pixels around the middles of cells
     half = [(v[1] - v[0]) / 2 for v in at]
@@ -135,20 +122,7 @@ def _draw_energy(
     image = axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
     levels = norm.inverse(np.linspace(0.0, 1.0, 12)[1:-1])
     look = {"levels": levels, "colors": "white", "linewidths": 0.4 * line, "alpha": 0.7}
-    lines = axes.contour(*at, energy, **look, zorder=2)
-    if region is not None:
-        # vector files hold what cuts in full, and twice; the lines over its edge are exact
-        parts = [
-            Path(np.asarray(ring.coords), closed=True)
-            for polygon in get_parts(region.simplify(UNSEEN))
-            if not polygon.is_empty
-            for ring in (polygon.exterior, *polygon.interiors)
-        ]
-        path = Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
-        clip = PathPatch(path, transform=axes.transData, fc="none", ec="none")
-        axes.add_patch(clip)
-        image.set_clip_path(clip)
-        lines.set_clip_path(clip)
+    axes.contour(*at, energy, **look, zorder=2)
     return image
 
 

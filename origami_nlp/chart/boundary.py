@@ -1,21 +1,19 @@
 """The boundary of the admissible set over a chart: contact curves and corners of the mesh of closed states.
 
 `admissible_cells` knows every contact curve, to rounding, and which side of it has states.  Here its border is put
-together from corner to corner, points are added until they are close, and the regions that it bounds are made polygons.
+together from corner to corner, and points are added until they are close.
 Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from origami_nlp.chart.cells import Cells, cells_of, geometry
-from origami_nlp.chart.chart import Chart, allowed
 from origami_nlp.chart.half_chain import CUT, SEAM
 from origami_nlp.chart.mesh import MeshError, exact_states, pulled
 from origami_nlp.chart.topology import arcs, borders
@@ -28,18 +26,12 @@ from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact
 
 if TYPE_CHECKING:
-    from shapely import MultiPolygon
+    pass
 
 RINGS = 24
 """Of the mesh from which boundaries are read."""
 CLOSE, DOUBLINGS = 0.04, 12
 """Largest change of a fold angle between points of a line [rad], and how often points are added for it."""
-GRID = 1e-10
-"""To which corners of regions are rounded [rad]."""
-MOSTLY = 0.9
-"""Share of the vertices inside that lie in a region; sides of polygons pass a few."""
-SLIVER = 1e-10
-"""Faces with less area [rad^2] are rounding between two lines that touch."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,17 +73,8 @@ class BoundaryLine(ShortRepr):
         return bool(np.ptp(self.points, axis=0).max() < SETTLED)
 
 
-@dataclass(frozen=True, repr=False)
-class Boundary(ShortRepr):
-    """What bounds the states of a chart.
-
-    lines: all of them.  regions: admissible part of each branch (`shapely.MultiPolygon`), in the chart's
-    coordinates [rad]; () where lines alone
-    do not bound them, but the fold at which branches meet does too.
-    """
-
-    lines: tuple[BoundaryLine, ...]
-    regions: tuple[Any, ...] = field(repr=False, metadata={"plain": False})
+Boundary = tuple[BoundaryLine, ...]
+"""All lines that bound the states of a chart."""
 
 
 def trace_boundary(scene: Scene) -> Boundary:
@@ -104,8 +87,8 @@ def trace_boundary(scene: Scene) -> Boundary:
 
     Returns
     -------
-    Boundary
-        Its lines, and the regions that they bound.
+    tuple of BoundaryLine
+        All lines.
 
     Raises
     ------
@@ -119,33 +102,24 @@ def trace_boundary(scene: Scene) -> Boundary:
     --------
     >>> from origami_nlp import examples
     >>> from origami_nlp.chart import trace_boundary
-    >>> [round(r.area, 2) for r in trace_boundary(examples.degree6("pi/4")).regions]
-    [19.74]
+    >>> len(trace_boundary(examples.degree6("pi/4")))
+    8
     """
     return _boundary(geometry(scene))
 
 
 def outline_of(scene: Scene) -> Boundary | None:
-    """Return the boundary of a scene's chart; None where contact is not full, and where it cannot be told."""
+    """Return the boundary of a scene's chart; None where contact is not full, of stops, and where it cannot be told."""
     try:
-        return trace_boundary(scene) if scene.contact == "full" else None
+        return trace_boundary(scene) if scene.contact == "full" and not scene.limits else None
     except MeshError:
         return None
 
 
 @lru_cache(maxsize=32)
 def _boundary(scene: Scene) -> Boundary:
-    import shapely
-
     cells, problem = cells_of(scene, RINGS), pose(scene)
-    lines = tuple(_line(problem, cells, *path) for path in border_paths(cells))
-    regions = tuple(_region(cells.chart, k, lines) for k in range(len(cells.chart.signs)))
-    free = cells.on == 0
-    for k, region in enumerate(regions):
-        at = cells.points[free & (cells.branch == k)]
-        if shapely.contains_xy(region, at).sum() < MOSTLY * len(at):
-            return Boundary(lines, ())
-    return Boundary(lines, regions)
+    return tuple(_line(problem, cells, *path) for path in border_paths(cells))
 
 
 def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
@@ -184,26 +158,11 @@ def _line(
         if on >> CUT & 1:
             states[:, -2] = np.copysign(np.pi, x[far, -2])
         base, leaf = np.insert(base, far + 1, new, axis=0), np.insert(leaf, far + 1, side)
-        x = np.insert(x, far + 1, cover.chain.limits.clip(states), axis=0)
+        x = np.insert(x, far + 1, np.clip(states, -np.pi, np.pi), axis=0)
     phi = x[:, cover.chain.orbit]
     s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
     line = BoundaryLine((), branch, cells.chart.points(phi), phi, s, thin)
     return replace(line, contacts=tuple(map(problem.name, line.rows(problem))))
-
-
-def _region(chart: Chart, branch: int, lines: Sequence[BoundaryLine]) -> MultiPolygon:
-    """Return the faces between the lines of a branch that hold an admissible state."""
-    import shapely
-
-    own = [line for line in lines if line.branch == branch and not (line.thin or line.hidden)]
-    # corners are known to some 1e-14: on a grid lines that share one meet
-    merged = shapely.unary_union([shapely.LineString(line.points) for line in own], grid_size=GRID)
-    faces = [face for face in shapely.polygonize([merged]).geoms if face.area >= SLIVER]
-    places = [face.representative_point() for face in faces]
-    held = [bool(allowed(chart, branch, at.x, at.y)[0]) for at in places]
-    inside = [face for face, good in zip(faces, held, strict=True) if good]
-    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
-    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])
 
 
 def with_energy(problem: PatternProblem, line: BoundaryLine) -> BoundaryCurve:

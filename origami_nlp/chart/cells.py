@@ -15,7 +15,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from origami_nlp.chart.chart import Chart, admissible
-from origami_nlp.chart.half_chain import CUT, SEAM, HalfChain
+from origami_nlp.chart.half_chain import CUT, SEAM, STRAIGHT, HalfChain
 from origami_nlp.chart.mesh import (
     DoubleCover,
     MeshError,
@@ -161,8 +161,6 @@ def _farthest(values: np.ndarray) -> np.ndarray:
 
 def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
-    if not len(cover.triangles):  # all beyond stops
-        return np.zeros(0, dtype=bool)
     chain, paper = cover.chain, pose_paper(cover.chain.scene.vertex)
     face = _faces(cover, side)
     wedge, clearance = _inner_states(cover, side)
@@ -175,8 +173,6 @@ def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
             if side[mine[0] % len(face), 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
-        if not chain.limits.inside(wedge[best]).all():
-            continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
         said = {check_admissible(paper, x[chain.orbit]).admissible for x in wedge[best]}
         if len(said) == 2:
@@ -221,7 +217,7 @@ def _edges_alone(cover: DoubleCover, kept: np.ndarray) -> np.ndarray:
     edges, common = edges[here], common[here]
     leaf = _farthest(cover.leaf[edges])
     # a straight border stays straight
-    free = np.where(common & cover.chain.straight == 0, common, 0)
+    free = np.where(common & STRAIGHT == 0, common, 0)
     middle = pulled(cover.chain, cover.base[edges].mean(axis=1), leaf, free)
     wedge = exact_states(cover.chain, middle, leaf, common)
     used, cut = _named(edges_of(kept)[0]), has(common, CUT)
@@ -262,7 +258,7 @@ def check_lower_dimensional(cells: Cells) -> None:
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
             near &= chain.fold_margin(base) > 0
             # not on the handle itself
-            near &= chain.limits.room(states).min(axis=1) > CONTACT_TOL
+            near &= (math.pi - np.abs(states)).min(axis=1) > CONTACT_TOL
             states = states[near][:, chain.orbit]
             states = states[admissible(chain.scene, states)]
             if any(check_admissible(paper, phi).admissible for phi in states):
@@ -272,8 +268,8 @@ def check_lower_dimensional(cells: Cells) -> None:
 def _stand_alone(cover: DoubleCover, wedge: np.ndarray) -> np.ndarray:
     """Return which states [K, k] are admissible by themselves, their layers ordered with the symmetry."""
     chain, paper = cover.chain, pose_paper(cover.chain.scene)
-    good = chain.limits.inside(wedge, CONTACT_TOL).all(axis=1)
-    phi = chain.limits.clip(wedge)[:, chain.orbit]
+    good = (np.abs(wedge) <= math.pi + CONTACT_TOL).all(axis=1)
+    phi = np.clip(wedge, -math.pi, math.pi)[:, chain.orbit]
     good[good] = admissible(chain.scene, phi[good])
     good[good] = [check_admissible(paper, one).admissible for one in phi[good]]
     return np.asarray(good)

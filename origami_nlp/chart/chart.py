@@ -5,7 +5,7 @@
 - D_n, n >= 2, wedge of three creases (degree 4 n): (phi_2, elevation upsilon of crease 1, paper's sign:
   F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`, of states that wind once).
 
-A chart ends where a family of states shares one point (`family_of`) and where branches meet; it is not
+A chart ends where a family of states shares one point and where branches meet; it is not
 the manifold.  Radians; everything vectorised over states.
 """
 
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.closed_forms import degree6, wedge3
-from origami_nlp.numerics import NONZERO, OUTSIDE, SETTLED, cross, quaternion as quat
+from origami_nlp.numerics import NONZERO, OUTSIDE, cross, quaternion as quat
 from origami_nlp.pattern import Scene, Vertex
 
 
@@ -164,21 +164,6 @@ def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
                     for s, mirrored in scene.group.elements
                 }
     return pairs
-
-
-def family_of(scene: Scene, phi: np.ndarray) -> str:
-    """Return why a whole family of states shares the chart point of `phi`, or return ''."""
-    first, last = crease_number(scene, 0), crease_number(scene, len(scene.group.rays) - 1)
-    pairs = [(first, last)]
-    if scene.group.order == 2:  # crease 1 and its image under the half turn, both in one plane
-        pairs.append((first, (first - 1 + scene.degree // 2) % scene.degree + 1))
-    creases, _ = fold_vertex(scene.vertex, phi)
-    for i, j in pairs:
-        along = float(creases[i - 1] @ creases[j - 1])
-        if np.linalg.norm(np.cross(creases[i - 1], creases[j - 1])) < SETTLED:
-            how = "form one straight line" if along < 0 else "coincide"
-            return f"creases {i} and {j} {how}, about which the vertex folds freely"
-    return ""
 
 
 def wedge_elevation(scene: Scene, fold_angles: np.ndarray, back: bool = False) -> np.ndarray:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_type, check_whole
-from origami_nlp.chart.chart import Chart, admissible, allowed, chart_limits, chart_of, family_of
+from origami_nlp.chart.chart import Chart, admissible, allowed, chart_limits, chart_of
 from origami_nlp.continuation import ContinuationOptions, End, Point, trace_held
 from origami_nlp.display import shown
 from origami_nlp.errors import OptionError
@@ -55,13 +55,11 @@ class Place:
 
     branch: index into `Landscape.branches`.
     point: its coordinates; for a curve (coordinate, energy).
-    family: empty, or why a whole family of states shares this point of the chart.
     drawn: False where |phi| > pi at some crease, which no chart covers, or the state is of another winding.
     """
 
     branch: int = field(metadata=shown("branch"))
     point: tuple[float, float] = field(metadata=shown("place", spec=".6f"))
-    family: str = ""
     drawn: bool = field(default=True, metadata=shown("drawn"))
 
 
@@ -167,7 +165,7 @@ def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
     # on both branches: prefer the one that is drawn here
     nearby = [best] if sure > SETTLED else [best, 1 - best]
     drawn = [k for k in nearby if rows[k][0] <= y <= rows[k][-1]]
-    return Place((drawn or nearby)[0], (x, y), family_of(picture.scene, phi))
+    return Place((drawn or nearby)[0], (x, y))
 
 
 # ---------------------------------------------------------------- one degree of freedom: curves

@@ -26,10 +26,13 @@ from origami_nlp.chart.chart import chart_of, crease_number, flat_ray, fold_rays
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import FoldLimits
 
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER = range(5)
-"""Bits of walls, in the order of `HalfChain.walls`, after these five the stops."""
+"""Bits of walls, in the order of `HalfChain.walls`."""
+STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
+"""Walls that are straight in the base: its borders."""
+CURVED = (HEIGHT, CUT, OTHER)
+"""Those that are found by their values, in the order of `Points.walls`."""
 SEAM = 60
 """The bit of the seam, where the two leaves meet: behind all walls."""
 
@@ -38,9 +41,9 @@ class Points(NamedTuple):
     """States of a chain.
 
     wedge: fold angles of the chain [V, k]; the inner one in [-pi, pi], the last in (-2 pi, 2 pi).
-    walls: values of the curved walls [V, 3 + stops], a wall where they vanish: height y over the last mirror (the last
+    walls: values of the curved walls [V, 3], a wall where they vanish: height y over the last mirror (the last
         fold angle is +-pi there), the inner fold angle off +-pi (wrapped), and, for degree 6, the angle from crease 1
-        to crease 4 (wrapped), for wedges the cosine of crease 3's elevation; then fold angles off their stops.
+        to crease 4 (wrapped), for wedges the cosine of crease 3's elevation.
     """
 
     wedge: np.ndarray
@@ -67,21 +70,14 @@ class HalfChain:
         Half widths of the base rectangle [rad], its borders being walls (fold angle at +-pi, or crease 1 on the axis).
     walls
         Names of the walls, by bit.
-    curved
-        Bits of those that are found by their values, in the order of `Points.walls`.
-    straight
-        Bit mask of the walls that are straight in the base: its borders, and stops of its fold angles.
     wrapped
         Which of `Points.walls` are angles modulo 2 pi.
-    limits
-        Fold limits of a wedge state.
-    stops
-        Those before facets meet: variable and angle [rad].
 
     Raises
     ------
     OptionError
-        If the scene has not two symmetric degrees of freedom of a known kind, or does not ask for full contact.
+        If the scene has not two symmetric degrees of freedom of a known kind, has stops, or does not ask for full
+        contact.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -93,26 +89,21 @@ class HalfChain:
             )
         if scene.contact != "full":
             raise OptionError(f'contact = "{scene.contact}": the admissible space needs "full"')
+        if scene.limits:
+            raise OptionError("limits: the admissible space is that of scenes without stops")
         self.scene, self.chart, self.kind = scene, chart, chart.kind
         self.sectors = tuple(ray.sector for ray in group.rays[:-1])
         self.orbit, self.size = list(group.orbit), len(group.rays)
         creases = [crease_number(scene, r) for r in range(self.size)]
-        self.limits = FoldLimits(*scene.limit_angles[:, np.array(creases) - 1])
-        at_stops = [c for c in self.limits.both if c.at != math.pi]
-        self.stops = tuple((c.index, c.side * c.at) for c in at_stops)
         folded = [f"phi_{crease} = +-pi" for crease in creases]
         axis = [f"crease {crease} on the axis" for crease in (creases[0], creases[-1])]
         if self.kind == "degree6":
             touch = f"creases {creases[0]} and {creases[-1]} on each other"
-            walls = (folded[0], folded[1], folded[3], folded[2], touch)
+            self.walls = (folded[0], folded[1], folded[3], folded[2], touch)
         else:
-            walls = (axis[0], folded[0], folded[2], folded[1], axis[1])
-        self.walls = (*walls, *(f"phi_{creases[c.index]} = {c.where}" for c in at_stops))
+            self.walls = (axis[0], folded[0], folded[2], folded[1], axis[1])
         self.reach = (math.pi if self.kind == "degree6" else math.pi / 2, math.pi)
-        self.curved = range(HEIGHT, len(self.walls))
-        bits = [k for k, (v, _) in enumerate(self.stops, OTHER + 1) if v < self.size - 2]
-        self.straight = sum(1 << k for k in (BORDER_P, BORDER_Q, *bits))
-        self.wrapped = (False, True, self.kind == "degree6") + (True,) * len(self.stops)
+        self.wrapped = (False, True, self.kind == "degree6")
         # inward normal of the last mirror, and a basis of its plane
         c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
         if group.order <= 2:  # exactly
@@ -168,11 +159,6 @@ class HalfChain:
             wedge = np.stack([base[..., 1], inner, 2 * half], axis=-1)
             other = np.cos(place)  # crease 3 on its own side of the axis
         walls = [y, np.where(inner >= 0, inner - math.pi, inner + math.pi), other]
-        for v, at in self.stops:
-            off = wedge[..., v] - at
-            # the inner fold angle goes on from +pi to -pi
-            around = math.tau * np.round(off / math.tau) if v == self.size - 2 else 0.0
-            walls.append(off - around)
         return Points(wedge, np.stack(walls, axis=-1))
 
 

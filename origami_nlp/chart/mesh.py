@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart.half_chain import CUT, HEIGHT, OTHER, SEAM, HalfChain
+from origami_nlp.chart.half_chain import CURVED, CUT, HEIGHT, OTHER, SEAM, STRAIGHT, HalfChain
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED, bracketed_roots
@@ -42,7 +42,7 @@ class DoubleCover(ShortRepr):
 
     base [V, 2], leaf [V] (0 on the seam): coordinates of the vertices on the chain.
     on [V]: bit mask of the walls (and the seam) that pass through a vertex.
-    triangles [F, 3].  values [V, 3 + stops]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
+    triangles [F, 3].  values [V, 3]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
     """
 
     chain: HalfChain
@@ -89,19 +89,18 @@ def mesh_cover(chain: HalfChain, size: int) -> DoubleCover:
     base, triangles = polar_mesh(chain.reach, size)
     on = ((np.abs(base) == chain.reach) << np.arange(2)).sum(axis=1)
     surface = Surface(base, on, np.zeros(len(base), dtype=np.int64), triangles)
-    straight = [bit for bit in chain.curved if chain.straight >> bit & 1]
-    for bit in (*straight, HEIGHT, SEAM):
+    for bit in (HEIGHT, SEAM):
         surface = _split(chain, surface, bit)
     surface = _double(chain, surface)
-    for bit in (CUT, *(b for b in chain.curved if b > OTHER and b not in straight), OTHER):
+    for bit in (CUT, OTHER):
         surface = _split(chain, surface, bit)
     for _ in range(SHORTENINGS):
         surface = _shorten(chain, surface, LONGEST / size)
     used, triangles = np.unique(surface.triangles, return_inverse=True)
     base, on, leaf = (v[used] for v in surface[:3])
     values = chain.points(base, leaf).walls
-    on = on | ((np.abs(values) <= ON) << np.array(chain.curved)).sum(axis=1)
-    for column, bit in enumerate(chain.curved):
+    on = on | ((np.abs(values) <= ON) << np.array(CURVED)).sum(axis=1)
+    for column, bit in enumerate(CURVED):
         values[has(on, bit), column] = 0.0
     wedge = exact_states(chain, base, leaf, on)
     return DoubleCover(chain, size, base, leaf, on, triangles.reshape(-1, 3), values, wedge)
@@ -114,8 +113,6 @@ def exact_states(
     wedge = chain.points(base, leaf).wedge
     flat = has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
-    for bit, (v, at) in enumerate(chain.stops, start=OTHER + 1):
-        wedge[has(on, bit), v] = at
     return wedge
 
 
@@ -125,9 +122,9 @@ def pulled(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, on: np.ndarray)
     By Newton steps along the gradient of one wall after the other.
     """
     base = np.array(base)
-    for bit in (*chain.curved, SEAM):
+    for bit in (*CURVED, SEAM):
         here = np.flatnonzero(has(on, bit))
-        if chain.straight >> bit & 1 or not len(here):
+        if not len(here):
             continue
         for _ in range(6):
             x, side = base[here], leaf[here]
@@ -185,16 +182,7 @@ def _split(chain: HalfChain, surface: Surface, bit: int) -> Surface:
     period = math.pi if wrapped else math.inf
     for _ in range(LOOKS):
         surface = _refine(chain, surface, bit, period)
-    surface = _cut(chain, surface, bit, period)
-    if not OTHER < bit < SEAM:
-        return surface
-    # drop the triangles of whose corners none is on this side of a stop, in a fold angle that is not +-pi
-    variable, at = chain.stops[bit - OTHER - 1]
-    phi = chain.points(surface.base, surface.leaf).wedge[:, variable]
-    beyond = phi > at + ON if at == chain.limits.high[variable] else phi < at - ON
-    if variable == chain.size - 2:
-        beyond &= ~has(surface.on, CUT)
-    return surface._replace(triangles=surface.triangles[~beyond[surface.triangles].all(axis=1)])
+    return _cut(chain, surface, bit, period)
 
 
 def _cut(chain: HalfChain, surface: Surface, bit: int, period: float) -> Surface:
@@ -236,7 +224,7 @@ def _refine(chain: HalfChain, surface: Surface, bit: int, period: float) -> Surf
     if not len(twice):
         return surface
     place = base[a] + where[:, None] * (base[b] - base[a])
-    return surface.divided(look[twice], place[twice], common[twice] & chain.straight, leaf[twice])
+    return surface.divided(look[twice], place[twice], common[twice] & STRAIGHT, leaf[twice])
 
 
 def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -294,7 +282,7 @@ def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
     apart = np.abs(wedge[a] - wedge[b])
     apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
     # edges that follow curved walls would have to be pulled back onto them: those stay
-    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~chain.straight == 0))
+    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
     a, b = a[long], b[long]
     # next to the seam states go as the square root of the base point: a quarter of the way is half of it
     t = 0.5 + 0.25 * (has(on[b], SEAM).astype(int) - has(on[a], SEAM))[:, None]

@@ -8,7 +8,6 @@ import platform
 import signal
 import sys
 import traceback
-from copy import copy
 from typing import Any, NoReturn
 
 import typer
@@ -62,7 +61,7 @@ def run(commands: Group | None) -> None:
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            code = get_command(_called(commands or app)).main(standalone_mode=False)
+            code = get_command(commands or app).main(standalone_mode=False)
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
@@ -71,16 +70,6 @@ def run(commands: Group | None) -> None:
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     sys.exit(code)
-
-
-def _called(commands: Group) -> Group:
-    """Return the group with the command that is called alone: parsers of all others take 0.05 s."""
-    word = sys.argv[1:2]
-    mine = [one for one in commands.registered_commands if [one.name] == word]
-    if commands.registered_callback and (mine or word == ["--version"]):
-        commands = copy(commands)
-        commands.registered_commands, commands.registered_groups = mine, []
-    return commands
 
 
 def _end(error: Any) -> NoReturn:

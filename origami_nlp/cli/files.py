@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import inspect as introspection
-import textwrap
 from collections import Counter
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +16,10 @@ from origami_nlp.errors import FoldFileError, OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Scene
+
+
+DEGREES = "# sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.\n"
+"""First line of a scene file that is to be edited."""
 
 
 @writes("json", "scene", "fold", "figure", "html", verbose=True)
@@ -45,7 +46,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
         out.refuse("a page shows the motion: give --path", "html")
         out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
     try:
-        seen = analyze_mobility(origami.read_pattern(), seed=seed)
+        seen = analyze_mobility(origami.read_whole(), seed=seed)
         motion = find_motion(seen.pattern, seen, seed=seed) if path else None
     except FoldFileError as error:
         if path or out.files("fold", "html"):
@@ -96,12 +97,12 @@ def hinge(data: str = o.HINGE_DATA) -> Any:
 @writes("json", "figure", "fold", verbose=True)
 def check(
     out: Output,
-    files: list[str] = o.FILES,
+    file: str = o.CHECKED,
     frame: int | None = o.CHECKED_FRAME,
     tolerance: float | None = o.TOLERANCE,
     orders: bool = o.ORDERS,
 ) -> Any:
-    """Check whether folded states are real, and whether crease patterns fold flat: all faults, with place and size.
+    """Check whether a folded state is real, and whether a crease pattern folds flat: all faults, with place and size.
 
     Lengths as in the crease pattern, plane faces, fold angles and letters as the coordinates have them, closure,
     faces that pass through each other, faceOrders; of a crease pattern Kawasaki, Maekawa and layers.
@@ -109,33 +110,14 @@ def check(
     --orders: of the state that the file describes, or the pattern folded flat, with unassigned creases as mountain or
     valley.
     """
-    from origami_nlp.validity import Validity, check as check_file, layer_orders
+    from origami_nlp.validity import check as check_file, layer_orders
 
-    one = len(files) == 1
     if orders:
-        if not one:
-            raise OptionError("--orders is of one ORIGAMI: give one")
-        return layer_orders(Source.of(files[0]).read_pattern())
+        return layer_orders(Source.of(file).read_whole())
     out.refuse("orders of layers are written with --orders", "fold")
-    if not one:
-        out.refuse("a picture is of one file: give one", "figure")
-    seen, ends = list[Validity](), Counter[str]()
-    for file in files:
-        try:
-            seen.append(check_file(file, frame=frame, tolerance=tolerance))
-            ends[seen[-1].verdict] += 1
-            out.say(seen[-1])
-        except (FoldFileError, OptionError) as error:
-            if one:
-                raise
-            ends["not read"] += 1
-            out.say(f"{file}: not read: {error}")
-    if not one:
-        counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
-        out.say(f"{len(files)} files: {', '.join(counts)}")
-    out.write("json", lambda: seen[0].to_dict() if one else [s.to_dict() for s in seen])
-    out.write("figure", lambda: seen[0].draw())
-    return Ended.WRONG if ends["not read"] else Ended(ends["valid"] < ends.total())
+    seen = check_file(file, frame=frame, tolerance=tolerance)
+    out.report(seen)
+    return Ended.DONE if seen.verdict == "valid" else Ended.NO
 
 
 @writes()
@@ -216,13 +198,5 @@ def example(
             raise OptionError(f"NAME = {name!r} is a crease pattern, no vertex: give -o FILE.fold")
         if cell or (any(size) and not out.files("fold")):
             raise OptionError(f"NAME = {name!r} is of a pattern, cell or size: give -o FILE.fold")
-        text = _about(examples.maker(word)) + format_scene(examples.by_name(word, **given))
+        text = DEGREES + format_scene(examples.by_name(word, **given))
         out.or_stdout("scene").write("scene", lambda: text)
-
-
-def _about(make: Callable[..., Any]) -> str:
-    """Return what an example is as the first lines of its file."""
-    said = (introspection.getdoc(make) or "").split("\nParameters\n")[0].removeprefix("Make ")
-    lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
-    lines.append("Yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad.")
-    return "".join(f"# {line}\n" for line in lines)

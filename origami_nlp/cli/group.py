@@ -15,7 +15,6 @@ from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.output import Output, endings
 from origami_nlp.cli.source import Source
 from origami_nlp.cli.timed import Clock
-from origami_nlp.io import is_number
 
 NAMED = inspect.Parameter.KEYWORD_ONLY
 _STATED = inspect.signature(Source, eval_str=True).parameters
@@ -105,16 +104,7 @@ class _Plain:
 
 
 class _Command(_Plain, TyperCommand):
-    """A command; an option that needs no value gets `options.ASKED` where no number follows."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Fill in what is left out."""
-        filled = []
-        for arg, following in zip(args, [*args, ""][1:], strict=True):
-            filled.append(arg)
-            if arg in o.MAY_LACK_VALUE and not is_number(following):
-                filled.append(o.ASKED)
-        return super().parse_args(ctx, filled)
+    """A command."""
 
 
 class _Commands(_Plain, TyperGroup):

@@ -7,17 +7,10 @@ from typing import Any
 
 import typer
 
-from origami_nlp.arguments import check_number
-from origami_nlp.io import is_number
-
 WRITES = "FILE"
 """Metavar of every option that writes what a command found, and of no other option."""
 FOLD_FILES = "Options for FOLD files, drawings and examples"
 """Heading of the options that say what a file leaves open."""
-ASKED = "asked"
-"""What an option whose value may be left out gets then."""
-MAY_LACK_VALUE = ("--prove",)
-"""Options whose value, a number, may be left out."""
 
 
 def _option(metavar: str | None, help: str, *names: str, usual: Any = None, **more: Any) -> Any:
@@ -49,13 +42,6 @@ def _file_flag(help: str, name: str) -> Any:
     return _flag(help, name, usual=None, rich_help_panel=FOLD_FILES)
 
 
-def wanted_proof(value: str | None) -> bool | float | None:
-    """Return what `find_minima` takes as `prove`."""
-    if value is None or value == ASKED:
-        return None if value is None else True
-    return check_number("--prove", float(value) if is_number(value) else value, 0.0) or False
-
-
 def _claims() -> list[str]:
     from origami_nlp.symbolic.catalogue import claims
 
@@ -66,7 +52,7 @@ def _claims() -> list[str]:
 
 _KINDS = "a vertex by its scene file (TOML); a pattern by its FOLD file or drawing; - for stdin"
 ORIGAMI = _argument("ORIGAMI", f"What is folded: {_KINDS}; or an example by name, as miura:8x8.")
-FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
+CHECKED = _argument("ORIGAMI", "FOLD file, drawing, - for stdin, or an example such as miura:8x8.")
 SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
 PROOF = _argument("FILE", "Proof (JSON), or - for stdin.")
@@ -109,7 +95,11 @@ EFFORT = _option("quick|normal|thorough", "How long the search goes on.", usual=
 METHOD = _option("batch|ipopt", "Compiled descents, or IPOPT on the same problem.", usual="batch")
 FULL = _flag("Judge stability without the symmetry too, or not.", "--full/--no-full", usual=None)
 NOISE = _option("DEG", "How many random errors of DEG degrees does each state survive?")
-PROVE = _option("[SECONDS]", "Prove that none is missing (0: never; default: where it is cheap).")
+PROVE = _flag(
+    "Prove that none is missing, or not (default: where it is cheap).",
+    "--prove/--no-prove",
+    usual=None,
+)
 CERTIFICATE = _option(WRITES, "Write the proof, for check-proof.")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
 DASK = _option("ADDRESS", "Run on an existing Dask cluster (extra sweep).")

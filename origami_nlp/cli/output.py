@@ -118,9 +118,9 @@ class Output:
 
     def page(self, found: Any) -> None:
         """Write a page with the states of a result, where one is asked for."""
-        from origami_nlp.display import InteractivePage
+        from origami_nlp.results import view
 
-        self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
+        self.save("html", lambda file: view(found, file))
 
     def save(self, kind: str, save: Callable[..., Any], *arguments: Any) -> None:
         """Let ``save(*arguments, file)`` write each file of `kind`."""

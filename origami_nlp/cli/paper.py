@@ -20,8 +20,9 @@ LISTED = 16
 """Largest degree whose foldings are listed."""
 
 
-def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
-    """Find the minima of all 18 panels of the paper's two landscape figures."""
+def _search_panels(out: Output, clock: Clock, seed: int, full: bool) -> list[Any]:
+    """Find the minima of all 18 panels of the paper's two landscape figures, and print a table of them."""
+    from origami_nlp.minima import scenes_table
     from origami_nlp.pattern import examples
 
     results, scenes = list[Any](), examples.panels()
@@ -29,6 +30,8 @@ def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
         for scene in scenes:
             results.append(search(clock, scene, scene.label, seed=seed, full=full))
             done(len(results))
+    seconds = sum(r.search.seconds for r in results)
+    out.say(scenes_table(results, f"all panels of the paper, {seconds:.1f} s in total"))
     return results
 
 
@@ -36,34 +39,25 @@ def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
 def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.io import make_folder, write_json
-    from origami_nlp.minima import draw_minima, scenes_table
     from origami_nlp.pattern import examples
 
     folder = make_folder(folder, "--folder")
-    files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
+    files = [folder / name for name in ("degree6.png", "degree8.png", "minima.json")]
     out.check(*(("--folder", file) for file in files))
-    results = _search_panels(clock, seed, full=True)
-    shown = [
-        results[[r.scene.name for r in results].index(scene.name)]
-        for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
-    ]
-    seconds = sum(r.search.seconds for r in results)
-    title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    out.say(*shown, scenes_table(results, title))
-    write_json([r.to_dict() for r in results], files[0])
-    for file, result in zip(files[1:], shown, strict=True):
-        draw_minima(result, file)
+    results = _search_panels(out, clock, seed, full=True)
+    pictured = (examples.degree6("pi/3", 1.0).name, examples.degree8("pi/4", 1.0).name)
+    for file, name in zip(files, pictured, strict=False):
+        shown = next(r for r in results if r.scene.name == name)
+        out.say(shown)
+        shown.draw(file)
+    write_json([r.to_dict() for r in results], files[-1])
     out.written(*files)
 
 
 @writes("json")
 def panels(out: Output, clock: Clock, full: bool | None = o.FULL, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.minima import scenes_table
-
-    results = _search_panels(clock, seed, bool(full))
-    seconds = sum(r.search.seconds for r in results)
-    out.say(scenes_table(results, f"all panels of the paper, {seconds:.1f} s in total"))
+    results = _search_panels(out, clock, seed, bool(full))
     out.write("json", lambda: [r.to_dict() for r in results])
 
 
@@ -146,7 +140,7 @@ def foldings(degree: int = o.DEGREE) -> Any:
     return cones.Foldings.of(degree, degree <= LISTED)
 
 
-@writes("json", "csv", "figure")
+@writes("json", "figure")
 def phase(
     degree: int = o.DEGREE,
     rest: str = o.REST_RULE,

@@ -86,7 +86,7 @@ def follow(
     clock: Clock,
     parameter: str = o.PARAMETER,
     checks: int = o.CHECKS,
-    prove: str | None = o.PROVE,
+    prove: bool | None = o.PROVE,
     starts: int | None = o.STARTS,
     full: bool | None = o.FULL,
     effort: str = o.EFFORT,
@@ -100,7 +100,7 @@ def follow(
     named = origami.is_example and not origami.given
     what = origami.name if named else origami.read_whole()
     with progress(f"{origami.name} over {parameter}") as report:
-        options |= {"prove": o.wanted_proof(prove), "seed": seed, "progress": report.at}
+        options |= {"prove": prove, "seed": seed, "progress": report.at}
         return clock.within(follow_states, what, parameter, **options)
 
 

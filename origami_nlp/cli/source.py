@@ -17,7 +17,7 @@ from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
-    from origami_nlp.pattern import Frame, Pattern, Scene
+    from origami_nlp.pattern import Frame, Scene
 
 
 REPEATS = ("cell", "rolled")
@@ -122,26 +122,12 @@ class Source:
         kept = self._of("symmetry", "contact")
         return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
-    def read_whole(self) -> Scene | Pattern:
-        """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
+    def read_whole(self) -> Any:
+        """Return the scene of a scene file or of the vertex that is asked for, else the whole pattern."""
         if not self.is_whole:
             return self.read()
-        from origami_nlp.pattern import fold_vertices
+        from origami_nlp.pattern import fold_vertices, frame_pattern, with_bending
 
-        whole = self.read_pattern()  # what is wrong comes before what is odd
-        one = fold_vertices(self._frame())[0]
-        if len(one) == 1 and whole.cell is None:
-            note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")
-        for odd in whole.notes:
-            note(odd)
-        return whole
-
-    def read_pattern(self) -> Pattern:
-        """Return the whole pattern of a FOLD file or an example."""
-        from origami_nlp.pattern import frame_pattern, with_bending
-
-        if not self.is_fold:
-            raise OptionError(f"{self.name!r} is a scene: give a FOLD file or an example")
         refused = {"vertex", "symmetry"}
         self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
         if not self.is_example:
@@ -152,9 +138,14 @@ class Source:
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
         whole = whole.with_springs(per_length=True) if self.per_length else whole
         whole = whole.with_contact(self.contact) if self.contact else whole  # type: ignore[arg-type]
-        if self.bend is None:
-            return whole
-        return with_bending(whole, self.bend, self.diagonal or "short")
+        if self.bend is not None:
+            whole = with_bending(whole, self.bend, self.diagonal or "short")
+        one = fold_vertices(frame)[0]  # what is wrong comes before what is odd
+        if len(one) == 1 and whole.cell is None:
+            note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")
+        for odd in whole.notes:
+            note(odd)
+        return whole
 
     def frames(self, usual: Any = None) -> tuple[Frame, ...]:
         """Return the frame asked for; where none is, all, or the usual one."""

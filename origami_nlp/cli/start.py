@@ -32,7 +32,7 @@ def main(commands: Group | None = None) -> None:
         _one_thread()
         if not sys.warnoptions:  # of libraries: people are told what to do, or nothing
             logging.getLogger().addHandler(logging.NullHandler())
-            warnings.showwarning = _unsaid
+            warnings.simplefilter("ignore")
         # most of what there is comes with imports and stays: looking through it again and again took 0.1 s
         gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
@@ -43,10 +43,6 @@ def main(commands: Group | None = None) -> None:
         end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
         print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
         sys.exit(128 + signal.SIGINT)
-
-
-def _unsaid(*_: object, **__: object) -> None:
-    """Take a warning, and say nothing."""
 
 
 def _one_thread() -> None:

@@ -55,7 +55,7 @@ def minima(
     method: str = o.METHOD,
     full: bool | None = o.FULL,
     noise: float | None = o.NOISE,
-    prove: str | None = o.PROVE,
+    prove: bool | None = o.PROVE,
     certificate: str | None = o.CERTIFICATE,
 ) -> Any:
     """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
@@ -76,7 +76,7 @@ def minima(
     options: Any = {"max_starts": max_starts, "starts": starts, "full": full, "noise": noise}
     options |= {"method": method, "seed": seed, "effort": effort}
     # a certificate asks for a proof
-    options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
+    options["prove"] = True if prove is None and certificate is not None else prove
     found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found
@@ -137,19 +137,14 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 @writes("json", "figure", "html", verbose=True)
 def landscape(
     origami: Source,
-    out: Output,
     clock: Clock,
     size: int = o.SIZE,
     space: bool = o.SPACE,
     critical: bool = o.CRITICAL,
     seed: int = o.SEED,
 ) -> Any:
-    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes.
-
-    Passes between minima are for -o FILE.json; barriers lists them.
-    """
+    """Map the energy landscape of a vertex: exact boundaries, and minima; or its space, or critical points."""
     from origami_nlp import paper
-    from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
 
     stated = origami.read()
@@ -161,18 +156,9 @@ def landscape(
     if chart_of(stated) is None:
         why = coordinates(stated, 8).reason or "one degree of freedom: minima -o FILE.png draws it"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
-    if stated.contact != "full":
-        out.refuse(f"the admissible space needs contact = 'full', not {stated.contact!r}", "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
-    with progress(f"{name}: boundary, passes between minima"):
-        exact = paper.find_landscape(result, size=size)
-        out.say(exact)
-        if out.files("json"):
-            passes = find_barriers(stated, result, seed=seed)
-            more = paper.find_space(stated), paper.find_critical_points(stated), passes
-            out.write("json", paper.landscape_to_dict, exact, *more)
-    out.write("figure", paper.draw_landscape, exact)
-    out.page(exact.result)
+    with progress(f"{name}: boundary"):
+        return paper.find_landscape(result, size=size)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)
@@ -248,12 +234,9 @@ def _executor(address: str) -> Any:
     """Return the executor of a Dask cluster."""
     distributed = require("distributed", "--dask", "sweep", SweepError)
     try:
-        distributed.comm.get_address_host_port(address)  # a client without an address raises again
         client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise SweepError(f"--dask {address!r} cannot be reached: {error}") from None
     pool = client.get_executor()
-    pool.num_workers = sum(client.nthreads().values())
-    if not pool.num_workers:
-        raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
+    pool.num_workers = max(sum(client.nthreads().values()), 1)
     return pool

@@ -39,7 +39,6 @@ from .states_figure import (
     lay_out_states as lay_out_states,
 )
 from .style import (
-    BAND as BAND,
     BORDER as BORDER,
     FLAT as FLAT,
     HANDLE as HANDLE,
@@ -50,7 +49,6 @@ from .style import (
     METASTABLE as METASTABLE,
     MOUNTAIN as MOUNTAIN,
     PASSES as PASSES,
-    RING as RING,
     UPPER as UPPER,
     VALLEY as VALLEY,
     VERDICTS as VERDICTS,

@@ -78,8 +78,6 @@ class Mark:
     ----------
     label
         Short, beside the mark.
-    text
-        In words, under the pointer.
     loaded
         Whether it pushes; else it only touches.
     creases, facets
@@ -87,7 +85,6 @@ class Mark:
     """
 
     label: str
-    text: str
     loaded: bool
     creases: tuple[int, ...] = ()
     facets: tuple[int, ...] = ()
@@ -134,8 +131,8 @@ class Trajectory:
         M of them; each is a state by itself, and nothing is shown between two.
     view
         As in `Keyframe`.
-    start, end
-        Stations (from 0) where it starts and ends, or None.
+    start
+        Station (from 0) where it starts, or None.
     """
 
     title: str
@@ -144,7 +141,6 @@ class Trajectory:
     states: tuple[FoldedBody, ...]
     view: np.ndarray
     start: int | None = None
-    end: int | None = None
 
 
 @dataclass(frozen=True)
@@ -163,8 +159,6 @@ class Content:
         Paths, in order.
     pieces
         Tables and lines of the text report.
-    note
-        Why there is no path, if there is none.
     steps
         What is known of every state on the paths.
     """
@@ -174,5 +168,4 @@ class Content:
     stations: tuple[Keyframe, ...]
     tracks: tuple[Trajectory, ...] = ()
     pieces: tuple[Section, ...] = field(default=(), repr=False)
-    note: str = ""
     steps: str = ""

@@ -11,7 +11,6 @@ import json
 import math
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import asdict
 from html import escape
 from importlib.resources import files
@@ -26,24 +25,25 @@ from origami_nlp.io import write_whole
 
 
 class InteractivePage:
-    """One or more results as a page that can be turned.
+    """A result as a page that can be turned.
 
     Attributes
     ----------
-    contents
-        What is shown; the reader chooses among several.
+    content
+        What is shown.
     """
 
-    def __init__(self, *contents: Content) -> None:
-        self.contents = contents
+    def __init__(self, content: Content) -> None:
+        self.content = content
 
     def __repr__(self) -> str:
-        names = "; ".join(content.title for content in self.contents)
-        return f"InteractivePage({names}: last line of a cell in Jupyter, or .save(file))"
+        return (
+            f"InteractivePage({self.content.title}: last line of a cell in Jupyter, or .save(file))"
+        )
 
     def _repr_html_(self) -> str:
         # a frame of its own: several pages in one notebook do not meet
-        look, page = "width:100%;height:900px;border:0", interactive_page(*self.contents)
+        look, page = "width:100%;height:900px;border:0", interactive_page(self.content)
         return f'<iframe style="{look}" srcdoc="{escape(page)}"></iframe>'
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -60,7 +60,7 @@ class InteractivePage:
             If it cannot be written.
         """
         check_path("path", path)
-        write_whole(path, interactive_page(*self.contents).encode())
+        write_whole(path, interactive_page(self.content).encode())
 
 
 class Viewable(ABC):
@@ -81,13 +81,13 @@ class Viewable(ABC):
         return InteractivePage(self.view_content())
 
 
-def interactive_page(*contents: Content) -> str:
-    """Return results as one page of HTML that needs no network.
+def interactive_page(content: Content) -> str:
+    """Return a result as one page of HTML that needs no network.
 
     Parameters
     ----------
-    contents
-        One or more.
+    content
+        What is shown.
 
     Returns
     -------
@@ -95,13 +95,10 @@ def interactive_page(*contents: Content) -> str:
         The page.
     """
     here = files("origami_nlp.display") / "page"
-    data = json.dumps(page_data(contents), allow_nan=False, separators=(",", ":"))
+    data = json.dumps(page_data(content), allow_nan=False, separators=(",", ":"))
     parts = {
-        "TITLE": escape(contents[0].title if len(contents) == 1 else f"{len(contents)} scenes"),
-        "TABLES": "\n".join(
-            f"<section class='report' hidden>{pieces_html(content.pieces)}</section>"
-            for content in contents
-        ),
+        "TITLE": escape(content.title),
+        "TABLES": pieces_html(content.pieces),
         "DATA": data.replace("<", "\\u003c"),  # no text of a user ends the script
         "SCRIPT": (here / "page.js").read_text("utf-8"),
         "LIBRARIES": (here / "libraries.min.js").read_text("utf-8"),
@@ -113,37 +110,31 @@ def interactive_page(*contents: Content) -> str:
     return page
 
 
-def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
+def page_data(content: Content) -> dict[str, Any]:
     """Return what the script of a page reads, as plain JSON data.
 
     Parameters
     ----------
-    contents
-        One or more.
+    content
+        What is shown.
 
     Returns
     -------
-    list of dict
-        One each; nan is None; states to 15 decimals, paths thinned and to 6.
+    dict
+        nan is None; states to 15 decimals, paths thinned and to 6.
     """
-    tracks = [t for c in contents for t in c.tracks]
+    tracks = content.tracks
     width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
     # at most 55,000 coordinates of states on paths, about nine bytes each: longer paths are thinned
     most = max(12, min(90, 55_000 // (width * max(len(tracks), 1))))
-    return [
-        {
-            "title": content.title,
-            "note": content.note,
-            "steps": content.steps,
-            "body": {
-                **vars(content.body),
-                "creases": [crease._asdict() for crease in content.body.creases],
-            },
-            "stations": [_station(station) for station in content.stations],
-            "tracks": [_track(track, kept_states(track, most)) for track in content.tracks],
-        }
-        for content in contents
-    ]
+    creases = [crease._asdict() for crease in content.body.creases]
+    return {
+        "title": content.title,
+        "steps": content.steps,
+        "body": {**vars(content.body), "creases": creases},
+        "stations": [_station(station) for station in content.stations],
+        "tracks": [_track(track, kept_states(track, most)) for track in tracks],
+    }
 
 
 def _plain(array: np.ndarray, digits: int) -> list[Any]:
@@ -182,7 +173,6 @@ def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
         "energy": [track.states[k].energy for k in kept],
         "view": _plain(track.view, 6),
         "start": track.start,
-        "end": track.end,
     }
 
 
@@ -199,11 +189,9 @@ def kept_states(track: Trajectory, most: int) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        Their numbers, in order, evenly along the parameter.
+        Their numbers, in order.
     """
-    s = track.parameter * np.sign(track.parameter[-1] - track.parameter[0])
-    if len(s) <= most:
-        return np.arange(len(s))
-    even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)
+    many = len(track.states)
     top = int(np.argmax([state.energy for state in track.states]))
-    return np.unique([0, *even.tolist(), top, len(s) - 1])
+    even = np.linspace(0, many - 1, min(many, most)).round().astype(int)
+    return np.unique([*even.tolist(), top])

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 
 PIXELS = 1_000
 """Of the longer side of the painted picture."""
-DASH, PERIOD = 0.014, 0.022
-"""Of valleys, as shares of the picture."""
+DASHES = (0, (2.2, 1.3))
+"""Of valleys."""
 BEYOND, APART = 0.13, 0.17
 """Of the number of a crease, its distance from the end, and from other numbers [of the longest crease]."""
 
@@ -111,8 +111,9 @@ def draw_state(
     axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
     for line, (colour, width, dashed), own in zip(*_lines(pattern, corners, phi), strict=True):
         hidden = np.logical_and.reduce(above[:, own], axis=1)[first]
-        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, wide, dashed)
+        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, wide)
         look = {"colors": colour, "linewidths": width, "capstyle": "butt", "zorder": 3}
+        look["linestyles"] = [DASHES if dashed else "solid"]
         axes.add_collection(LineCollection(parts, **look), autolim=False)
     around: dict[str, Any] = {"path_effects": [withStroke(linewidth=2.5, foreground="white")]}
     around |= {"ha": "center", "va": "center", "zorder": 4}
@@ -161,7 +162,7 @@ def crease_legend() -> list[Any]:
     """
     return [
         Line2D([], [], color=MOUNTAIN, linewidth=2.2, label="mountain"),
-        Line2D([], [], color=VALLEY, linewidth=2.2, linestyle=(0, (2.2, 1.3)), label="valley"),
+        Line2D([], [], color=VALLEY, linewidth=2.2, linestyle=DASHES, label="valley"),
         patch(UPPER, "upper side"),
         patch(LOWER, "lower side"),
     ]
@@ -260,30 +261,22 @@ def line_scale(pattern: Pattern) -> float:
 
 
 def _visible(
-    line: np.ndarray, nearest: np.ndarray, low: np.ndarray, step: float, size: float, dashed: bool
+    line: np.ndarray, nearest: np.ndarray, low: np.ndarray, step: float, size: float
 ) -> list[np.ndarray]:
-    """Return the parts of a line that nothing hides, [2, 2] each; dashes begin and end with half a dash."""
+    """Return the parts of a line that nothing hides, [2, 2] each."""
     length = float(np.linalg.norm(line[1, :2] - line[0, :2]))
     if length == 0.0:
         return []
-    if dashed:  # a whole number of periods, at least two, begun in the middle of a dash
-        periods = max(2, round(length / (PERIOD * size)))
-        share = DASH / PERIOD
-        starts = (np.arange(periods + 1) - 0.5 * share) / periods
-        spans = np.clip(np.column_stack([starts, starts + share / periods]), 0.0, 1.0)
-    else:
-        # pieces of this share of the picture, each seen or hidden
-        grid = np.linspace(0.0, 1.0, max(2, round(length / (0.004 * size))) + 1)
-        spans = np.column_stack([grid[:-1], grid[1:]])
+    # pieces of this share of the picture, each seen or hidden
+    grid = np.linspace(0.0, 1.0, max(2, round(length / (0.004 * size))) + 1)
+    spans = np.column_stack([grid[:-1], grid[1:]])
     middle = line[0] + spans.mean(axis=1)[:, None] * (line[1] - line[0])
     at = ((middle[:, :2] - low) / step).astype(int)
     rows = np.clip(at[:, 1], 0, nearest.shape[0] - 1)
     columns = np.clip(at[:, 0], 0, nearest.shape[1] - 1)
     # a line hides only behind what is nearer by more than this share of the picture
     seen = middle[:, 2] + 4e-3 * size >= nearest[rows, columns]
-    if dashed:
-        shown = spans[seen]
-    else:  # pieces in a row are one line
-        ends = np.flatnonzero(np.diff([False, *seen, False])).reshape(-1, 2)
-        shown = np.column_stack([spans[ends[:, 0], 0], spans[ends[:, 1] - 1, 1]])
+    # pieces in a row are one line
+    ends = np.flatnonzero(np.diff([False, *seen, False])).reshape(-1, 2)
+    shown = np.column_stack([spans[ends[:, 0], 0], spans[ends[:, 1] - 1, 1]])
     return [(line[0] + s[:, None] * (line[1] - line[0]))[:, :2] for s in shown]

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.pattern import Pattern, Scene, Vertex
-from origami_nlp.pattern_problem import pose
 
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
@@ -21,7 +20,7 @@ def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
     if isinstance(origami, Vertex):
         n = origami.degree
         origami = Scene(origami, (1.0,) * n, (0.0,) * n, "none", "fold-limits")
-    paper = pose(origami).pattern
+    paper = origami.paper
     corners, polygons = [*paper.corners], []
     for apex, i, j in paper.polygons:
         a, b = paper.corners[i], paper.corners[j]

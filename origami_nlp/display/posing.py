@@ -99,7 +99,6 @@ class Poser:
         energies: Sequence[float] | np.ndarray,
         *,
         start: int | None = None,
-        end: int | None = None,
         parameter: object = None,
         label: str = "arclength in the fold angles [rad]",
     ) -> Trajectory:
@@ -113,7 +112,7 @@ class Poser:
             Of the states, shape [M, N] [rad].
         energies
             Of them, M.
-        start, end
+        start
             As in `Trajectory`.
         parameter, label
             As in `Trajectory`; by default the arclength.
@@ -128,9 +127,7 @@ class Poser:
         if parameter is None:
             steps = np.linalg.norm(np.diff(phi, axis=0), axis=1)
             parameter = np.concatenate([[0.0], np.cumsum(steps)])
-        return join_states(
-            title, states, self.view(phi[len(phi) // 2]), parameter, label, start, end
-        )
+        return join_states(title, states, self.view(phi[len(phi) // 2]), parameter, label, start)
 
 
 def join_states(
@@ -140,7 +137,6 @@ def join_states(
     parameter: object,
     label: str,
     start: int | None = None,
-    end: int | None = None,
 ) -> Trajectory:
     """Return states as a path that does not swing about what is held where each stands by itself.
 
@@ -152,7 +148,7 @@ def join_states(
         Each as it stands by itself.
     view
         Of the one in the middle.
-    parameter, label, start, end
+    parameter, label, start
         As in `Trajectory`.
 
     Returns
@@ -169,7 +165,7 @@ def join_states(
     k = len(states) // 2
     turn = rotation_onto(states[k].corners, joined[k].corners)
     return Trajectory(
-        title, np.asarray(parameter, float), label, tuple(joined), view @ turn.T, start, end
+        title, np.asarray(parameter, float), label, tuple(joined), view @ turn.T, start
     )
 
 

@@ -26,21 +26,20 @@ class KindStyle:
         Of matplotlib.
     scale
         Of its size against the star's.
-    colour, hatch
-        Where areas and words stand for the kind; in pictures of states the colour is the verdict's.
+    colour
+        Where words stand for the kind; in pictures of states the colour is the verdict's.
     """
 
     marker: str
     scale: float
     colour: str
-    hatch: str
 
 
 KINDS = {
-    "interior": KindStyle("*", 1.0, "#0072B2", ""),
-    "contact-pinned": KindStyle("^", 0.72, "#D55E00", "////"),
-    "contact-touching": KindStyle("o", 0.66, "#E69F00", "...."),
-    "degenerate": KindStyle("X", 0.72, "#7A7A7A", "xxxx"),
+    "interior": KindStyle("*", 1.0, "#0072B2"),
+    "contact-pinned": KindStyle("^", 0.72, "#D55E00"),
+    "contact-touching": KindStyle("o", 0.66, "#E69F00"),
+    "degenerate": KindStyle("X", 0.72, "#7A7A7A"),
 }
 """Each kind of minimum."""
 VERDICTS: dict[str | None, tuple[str, str]] = {
@@ -73,14 +72,10 @@ INK, WARNING = "#1B1B1B", "#AD1457"
 METASTABLE = "#E10000"
 PUSHES, IDLE = "#B5179E", "#6C757D"
 """Contacts that push, and contacts that only touch."""
-BAND = "#F0D9B5"
-"""Of a threshold."""
 INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
 """Okabe and Ito's colours, for what has no meaning of its own."""
 HANDLE: dict[str, Any] = {"color": "#7B1FA2", "lw": 2.2, "ls": (0, (3.0, 1.6)), "zorder": 4}
 """Line of a 1-handle, on which states exist only at |phi| = pi exactly."""
-RING: dict[str, Any] = {"marker": "o", "mfc": "none", "mec": "black", "mew": 1.1, "ls": "none"}
-"""Around a point of a chart that several states share."""
 
 
 def energy_colours() -> Colormap:

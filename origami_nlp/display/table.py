@@ -60,8 +60,6 @@ class Table:
         With lines around.
     narrow
         With less room between columns.
-    ends
-        Numbers of rows (from 0) below which a line is drawn.
 
     Examples
     --------
@@ -78,7 +76,6 @@ class Table:
     columns: str = ""
     framed: bool = True
     narrow: bool = False
-    ends: Sequence[int] = ()
 
     def __rich__(self) -> Group:
         """Return the table as a console prints it: heads give way first, then words; numbers stay whole."""
@@ -99,8 +96,8 @@ class Table:
                 overflow="fold",
                 min_width=max(lines, default=0) if letter.islower() else None,
             )
-        for number, row in enumerate(rows):
-            look.add_row(*row, end_section=number in self.ends)
+        for row in rows:
+            look.add_row(*row)
         title = [_rich(Words(self.title, "italic"))] if self.title else []
         return Group(*title, look)
 

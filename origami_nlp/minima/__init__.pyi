@@ -29,7 +29,6 @@ from .marks import (
     Drawn as Drawn,
     drawn_minima as drawn_minima,
     mark_minima as mark_minima,
-    marks_legend as marks_legend,
 )
 from .minimum import (
     TRIALS as TRIALS,

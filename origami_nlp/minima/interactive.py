@@ -79,7 +79,7 @@ def _mark(model: Any, letter: str, contact: ContactForce) -> Mark:
         facets |= {int(image.facets[f - 1]) for f in contact.facets}
     pieces = tuple(k for k, f in enumerate(model.crossings.facet.tolist()) if f in facets)
     at = tuple(c - 1 for c in contact.creases), pieces
-    return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
+    return Mark(f"{letter} {moment}", high > 0, *at)
 
 
 def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
@@ -91,7 +91,7 @@ def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
             where = f"state {end}" if end else "an asymmetric state" if lands else "a lower state"
             title = f"{k + 1} → {where}: descent without the symmetry"
             angles, energies = [s.fold_angles for s in steps], [s.energy for s in steps]
-            yield poser.track(title, angles, energies, start=k, end=end - 1 if end else None)
+            yield poser.track(title, angles, energies, start=k)
 
 
 def _curves(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:

@@ -5,16 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
-from matplotlib.lines import Line2D
-
 from origami_nlp.chart import Place
-from origami_nlp.display import RING, label_marks, mark_minimum, minima_legend
+from origami_nlp.display import label_marks, mark_minimum
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import judged
 from origami_nlp.pattern import Origami
-
-FAMILY = 1.3
-"""Size of the ring around a family against a star's."""
 
 
 class Drawn(NamedTuple):
@@ -81,40 +76,13 @@ def mark_minima(
     star
         Size of a star [points].
     font
-        Of the numbers [points]; None for neither numbers nor rings around families.
+        Of the numbers [points]; None for no numbers.
     clear
         Points that the numbers leave free, each with a diameter [points].
     """
     here = [m for m in drawn if m.place.branch in branches]
     for m in sorted(here, key=lambda m: m.verdict == "unstable"):
-        if m.place.family and font:
-            look = RING | {"ms": FAMILY * star}
-            axes.plot(*m.place.point, **look, zorder=6, clip_on=False)
         mark_minimum(axes, m.place.point, m.kind, m.verdict, star)
     if font:
-        wide = [FAMILY * star if m.place.family else star for m in here]
-        marks = [(m.place.point, str(m.number), w) for m, w in zip(here, wide, strict=True)]
+        marks = [(m.place.point, str(m.number), star) for m in here]
         label_marks(axes, [*marks, *((point, "", w) for point, w in clear)], font)
-
-
-def marks_legend(drawn: Sequence[Drawn], star: float, rings: bool = True) -> list[Line2D]:
-    """Return legend entries for the minima that are marked.
-
-    Parameters
-    ----------
-    drawn
-        Of `drawn_minima`.
-    star
-        Size of a star in the picture [points].
-    rings
-        Whether families have rings.
-
-    Returns
-    -------
-    list of matplotlib.lines.Line2D
-        Handles with labels.
-    """
-    entries = minima_legend(((m.kind, m.verdict) for m in drawn), 0.85 * star)
-    if rings and any(m.place.family for m in drawn):
-        entries.append(Line2D([], [], **RING, ms=12, label="several states there"))
-    return entries

@@ -36,10 +36,11 @@ from origami_nlp.display import (
     cell_size,
     label_text,
     lay_out_states,
+    minima_legend,
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.io import save_figure
-from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
+from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import Pattern, Scene
@@ -179,7 +180,8 @@ def paint_landscape(
     list of matplotlib.artist.Artist
         Entries of the legend.
     """
-    panels, handles = _panels(chart), list[Any](marks_legend(list(drawn), STAR))
+    panels, handles = _panels(chart), list[Any]()
+    handles += minima_legend(((m.kind, m.verdict) for m in drawn), 0.85 * STAR)
     every: Any = figure.subplots(1, len(panels), squeeze=False)[0]
     if chart.kind == "curve":
         curves = draw_curves(every[0], chart)
@@ -213,9 +215,6 @@ def _notes(
     if chart is not None and chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")
     each = list(enumerate(places, start=1))
-    for family in dict.fromkeys(p.family for p in places if p.family and p.drawn):
-        at = ", ".join(str(k) for k, p in each if p.family == family and p.drawn)
-        notes.append(f"At {at}: {family}.")
     if beyond := ", ".join(str(k) for k, p in each if not p.drawn):
         notes.append(
             f"Not on the landscape ({beyond}): facets have passed through each other, |φ| > 180°, "

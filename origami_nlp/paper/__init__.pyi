@@ -6,7 +6,6 @@ from .events import Event as Event
 from .landscape import (
     ExactLandscape as ExactLandscape,
     find_landscape as find_landscape,
-    landscape_to_dict as landscape_to_dict,
 )
 from .landscape_figure import draw_landscape as draw_landscape
 from .morse import CriticalPoints as CriticalPoints

@@ -53,24 +53,19 @@ class Audited:
 
     number, fold_angles: of the candidate.
     cause: what becomes of it: ``exact`` is the nearest to an exact minimum, within `ON_MINIMUM` grid steps; a
-    ``duplicate`` closes and repeats fold angles, the sheet or the exact minimum of another (`twin`, its number); ``on a
+    ``duplicate`` closes and repeats fold angles, the sheet or the exact minimum of another; ``on a
     handle`` it slides along a set of one dimension beside which nothing is admissible; from a ``grid jag`` it flows
     away; at a ``chart edge`` as well, within a grid step of where the chart ends; on the ``wrong side`` a sheet of
-    paper with these facets has the other signs of +-pi (`sides`); no symmetric motion leaves an ``isolated`` one.
+    paper with these facets has the other signs of +-pi; no symmetric motion leaves an ``isolated`` one.
     minimum: number (1-based) of the exact minimum of its panel that it is or descends to.  distance: largest change
-    of a fold angle on the way [rad].  grid_steps: distance in the paper's chart.  drop: energy lost on the way [J].
+    of a fold angle on the way [rad].
     """
 
     number: int
     fold_angles: tuple[float, ...]
     cause: str
-    closure_residual: float
-    sides: tuple[float, ...] | None = None
     minimum: int | None = None
     distance: float = math.nan
-    grid_steps: float = math.nan
-    drop: float = math.nan
-    twin: int | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -116,8 +111,7 @@ class Audit(Report):
         numbers.append([sum(column) for column in zip(*numbers, strict=True)])
         titles = [*(p.title for p in self.panels), "all"]
         rows = [[title, *map(str, row)] for title, row in zip(titles, numbers, strict=True)]
-        columns, last = "l" + "R" * (len(HEADS) - 1), len(self.panels) - 1
-        return Table(HEADS, rows, "published candidates", columns, ends=[last])
+        return Table(HEADS, rows, "published candidates", "l" + "R" * (len(HEADS) - 1))
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table."""
@@ -192,7 +186,7 @@ class _Panel:
             members, key=lambda c: (not self.is_paper(c.fold_angles), c.number)
         )
         self.step = self._grid_step()
-        self.seen: list[tuple[np.ndarray, int]] = []
+        self.seen: list[np.ndarray] = []
 
     def is_paper(self, phi: Sequence[float]) -> bool:
         """Return whether a sheet can be folded so, symmetric layers or not."""
@@ -214,13 +208,11 @@ class _Panel:
                 return math.pi / n
         return math.pi / 128
 
-    def twin(self, x: np.ndarray, number: int) -> int | None:
-        """Return which candidate had the same geometry; note a new one."""
-        for y, known in self.seen:
-            if np.abs(x - y).max() <= PRINTED:
-                return known
-        self.seen.append((x, number))
-        return None
+    def is_known(self, x: np.ndarray) -> bool:
+        """Return whether a candidate had the same geometry; note a new one."""
+        known = any(np.abs(x - y).max() <= PRINTED for y in self.seen)
+        self.seen += [] if known else [x]
+        return known
 
     def other_sides(self, c: Candidate) -> np.ndarray | None:
         """Return the state with other signs of its +-pi that is admissible, fewest changes first; or None."""
@@ -238,12 +230,12 @@ class _Panel:
         """Audit one candidate."""
         x, phi = np.array(c.independent), np.array(c.fold_angles)
         paper = check_admissible(self.scene.vertex, phi, tolerance=PRINTED)
-        base = Audited(c.number, c.fold_angles, "undecided", paper.closure_residual)
-        twin = self.twin(x, c.number)
+        base = Audited(c.number, c.fold_angles, "undecided")
+        known = self.is_known(x)
         if paper.closure_residual > PRINTED:
-            return replace(base, cause="does not close", twin=twin)
-        if twin is not None:
-            return replace(base, cause="duplicate", twin=twin)
+            return replace(base, cause="does not close")
+        if known:
+            return replace(base, cause="duplicate")
         if paper.admissible:
             if check_admissible(self.scene, phi, tolerance=PRINTED).admissible:
                 return self.descend(base, x)
@@ -251,10 +243,8 @@ class _Panel:
         sides = self.other_sides(c)
         if sides is None:
             return replace(base, cause="not admissible")
-        base = replace(base, sides=tuple(sides.tolist()))
-        if (twin := self.twin(sides, c.number)) is not None:
-            return replace(base, cause="duplicate", twin=twin)
-        return replace(self.descend(base, sides), cause="wrong side")
+        cause = "duplicate" if self.is_known(sides) else "wrong side"
+        return replace(base if cause == "duplicate" else self.descend(base, sides), cause=cause)
 
     def descend(self, base: Audited, x: np.ndarray) -> Audited:
         """Follow an admissible state downhill and say what it is in its panel."""
@@ -266,8 +256,8 @@ class _Panel:
             return base
         exact = [model.reduce(np.array(m.fold_angles)) for m in self.result.minima]
         near = [float(np.abs(end - y).max()) for y in exact]
-        distance, drop = float(np.abs(end - start).max()), -model.energy_change(start, end)
-        base = replace(base, distance=distance, drop=drop)
+        distance = float(np.abs(end - start).max())
+        base = replace(base, distance=distance)
         if min(near, default=math.inf) > ENDPOINT_TOL:
             at = State(model, x, CLOSED)
             alone = (
@@ -277,7 +267,7 @@ class _Panel:
             return replace(base, cause="isolated") if alone else base
         hit = int(np.argmin(near))
         steps = float(np.abs(self.points(start) - self.points(exact[hit])).max()) / self.step
-        base = replace(base, minimum=hit + 1, grid_steps=steps)
+        base = replace(base, minimum=hit + 1)
         if steps <= ON_MINIMUM:
             return replace(base, cause="exact")
         if lower_dimensional_at(State(model, start)):
@@ -292,8 +282,6 @@ def _one_each(audited: list[Audited]) -> tuple[Audited, ...]:
     for a in sorted((a for a in audited if a.cause == "exact"), key=lambda a: a.distance):
         best.setdefault(a.minimum, a)
     return tuple(
-        replace(a, cause="duplicate", twin=best[a.minimum].number)
-        if a.cause == "exact" and best[a.minimum] is not a
-        else a
+        replace(a, cause="duplicate") if a.cause == "exact" and best[a.minimum] is not a else a
         for a in audited
     )

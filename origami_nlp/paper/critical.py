@@ -139,7 +139,7 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
     alone[[v for path, *_ in border_paths(cells) for v in (path[0], path[-1])]] = True
     alone[[s.vertex for s in spots(count, cells.triangles, cells.extra_edges)]] = True
     x = cells.wedge[alone]
-    thin = [line for line in trace_boundary(scene).lines if line.thin]
+    thin = [line for line in trace_boundary(scene) if line.thin]
 
     def at(y: np.ndarray) -> StratumVertex:
         ways = [way for line in thin for way in _ways(problem, line, y)]
@@ -170,7 +170,7 @@ class _Search:
 
     def __init__(self, scene: Scene, rings: int) -> None:
         self.scene, self.cells, self.problem = geometry(scene), cells_of(scene, rings), pose(scene)
-        self.lines = trace_boundary(self.scene).lines
+        self.lines = trace_boundary(self.scene)
         self.corners = stratum_vertices(self.scene, rings)
         self.doubts: list[str] = []
         # states that are known: at corners, and along edges

@@ -1,15 +1,13 @@
 """A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
 
-The energy is evaluated on a grid (`chart.landscape`); what bounds it is not: the admissible region is put together from
-contact boundaries exact to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
-are and nothing else.
+The energy is evaluated on a grid (`chart.landscape`), whose size decides how smooth the colours are and nothing else:
+contact boundaries are exact to rounding (`chart.trace_boundary`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,14 +22,8 @@ from origami_nlp.chart import (
 )
 from origami_nlp.contact import flat_parts
 from origami_nlp.display import Report, Section, record_table
-from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import pose
-
-if TYPE_CHECKING:
-    from origami_nlp.barriers import Barriers
-    from origami_nlp.paper.morse import CriticalPoints
-    from origami_nlp.paper.space import Space
 
 PIECE = 0.01
 """Spacing [rad of arclength] of the points of a metastable stretch."""
@@ -80,7 +72,7 @@ class ExactLandscape(Report):
     chart
         The energy on a grid over the coordinates of the chart.
     boundary
-        Contact boundaries, and the regions that they bound; None where they are not traced (contact other than full).
+        Contact boundaries; None where they are not traced (contact other than full).
     places
         Of the minima on the chart.
     metastable
@@ -91,7 +83,7 @@ class ExactLandscape(Report):
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
     >>> exact = o.find_landscape(result, size=21)
-    >>> exact.counts, len(exact.boundary.lines)
+    >>> exact.counts, len(exact.boundary)
     ((2, 2, 2), 8)
     """
 
@@ -130,7 +122,7 @@ class ExactLandscape(Report):
         if self.boundary is None:
             yield "boundary not traced: contact is not 'full', or contacts meet too closely"
             return
-        lines = self.boundary.lines
+        lines = self.boundary
         total, thin = sum(line.length for line in lines), sum(line.thin for line in lines)
         yield f"{len(lines)} contact boundaries, {total:.2f} rad; {thin} of them 1-handles"
         for part in self.metastable:
@@ -174,7 +166,6 @@ def find_landscape(result: MinimaResult, *, size: int = 401) -> ExactLandscape:
         if chart.branches
         else ()
     )
-    # the grid colours; what it colours is cut by the regions of the boundary
     boundary = outline_of(scene) if chart.kind == "area" else None
     stretches = metastable_stretches(result, boundary) if boundary else ()
     return ExactLandscape(result, chart, boundary, places, stretches)
@@ -185,7 +176,7 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
     out, problem = [], pose(result.scene)
-    for number, line in enumerate(boundary.lines):
+    for number, line in enumerate(boundary):
         # the line is geometry; energy, slope and stiffness along it are the scene's
         curve = with_energy(problem, line)
         if len(curve.s) < 3:
@@ -196,23 +187,3 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
             out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))
     return tuple(out)
-
-
-def landscape_to_dict(
-    exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
-) -> dict[str, Any]:
-    """Return everything known of a landscape as plain JSON data.
-
-    Parameters
-    ----------
-    exact, space, critical, barriers
-        Of `find_landscape`, `find_space`, `find_critical_points` and `find_barriers`, of one scene.
-
-    Returns
-    -------
-    dict
-        ``exact.to_dict()`` and, under their names, the plain data of the others.
-    """
-    parts = to_plain({"space": space, "critical": critical, "barriers": barriers})
-    del parts["barriers"]["result"]
-    return {**exact.to_dict(), **parts}

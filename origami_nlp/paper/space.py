@@ -9,9 +9,8 @@ isolated states; surfaces can touch in single points (pinch points), the flat st
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -27,26 +26,17 @@ from origami_nlp.chart import (
 )
 from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import OUTSIDE, SETTLED, groups
+from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern import Scene, as_scene, format_angle
 
 SIZE, SIZES = 64, (8, 1025)
 """Rings of the mesh around the flat state, by default and at least and most."""
-EXTENDED = 1e-3
-"""Handles that span less [rad] are points of a picture."""
-NEARBY = 0.5
-"""Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
 
 def angle_word(angle: float) -> str:
     """Write a fold angle for people: a multiple of pi as such, others with four decimals."""
     text = format_angle(angle) if abs(angle) > OUTSIDE else "0"
     return text if "pi" in text or text == "0" else f"{angle:.4f}"
-
-
-def angle_words(values: Iterable[float]) -> str:
-    """Write fold angles [rad] for people, such as ``"(pi/2, 0.1234)"``."""
-    return f"({', '.join(map(angle_word, values))})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,52 +154,8 @@ class Space(Report):
             counts[tuple(sorted(names))] += 1
         return tuple(sorted(counts.items()))
 
-    @cached_property
-    def picture_joins(
-        self,
-    ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
-        """Points of the paper's chart where states that are apart in X are drawn on top of each other.
-
-        For each such point: its coordinates, and one state [N] of each separate set of states over it.
-        """
-        mesh, place = self.mesh, self._places
-        order = place.argsort(kind="stable")
-        found = []
-        for over in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
-            if len(over) < 2 or np.ptp(mesh.wedge[over], axis=0).max() <= EXTENDED:
-                continue
-            # states that X does not connect over the disc around the point
-            point = mesh.points[over[0]]
-            near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
-            piece = groups(len(place), mesh.edges[near[mesh.edges].all(axis=1)])[over]
-            first = over[np.unique(piece, return_index=True)[1]]
-            if len(first) > 1:
-                states = tuple(map(tuple, mesh.fold_angles[first].tolist()))
-                found.append(((float(point[0]), float(point[1])), states))
-        return tuple(found)
-
-    @cached_property
-    def _places(self) -> np.ndarray:
-        """Number of the chart point (to `SETTLED`, branches apart) of each vertex of the mesh."""
-        from scipy.spatial import cKDTree
-
-        points = np.column_stack([self.mesh.points, 10.0 * self.mesh.branch])
-        return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
-
-    @property
-    def picture_holes(self) -> int:
-        """Loops (first Betti number) of the picture of X in the paper's chart, where states drawn at one point are one.
-
-        Families over one point are arcs (contractible), so each join of n separate sets lowers the Euler
-        characteristic by n - 1; a picture in the plane encloses no volume.
-        """
-        joined, place = sum(len(states) - 1 for _, states in self.picture_joins), self._places
-        count = int(place.max(initial=-1)) + 1
-        components = int(groups(count, place[self.mesh.edges]).max(initial=-1)) + 1
-        return components - (self.euler_characteristic - joined)
-
     def report_sections(self) -> Iterator[Section]:
-        """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
+        """Return components, pinch points and handles."""
         yield (
             f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s) "
             f"(mesh of {self.size} rings, {len(self.mesh.wedge)} vertices)"
@@ -217,13 +163,6 @@ class Space(Report):
         for records in (self.components, self.pinch_points, self.handles):
             if records:
                 yield record_table(records, "")
-        if self.picture_joins:
-            yield (
-                f"  the picture in the paper's chart encloses {self.picture_holes} hole(s), the space {self.holes}: "
-                "these chart points carry states that are apart in the space"
-            )
-        for point, states in self.picture_joins:
-            yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
 
 
 def find_space(scene: Scene, *, rings: int = SIZE) -> Space:

@@ -2,7 +2,7 @@
 
 Where X changes, contacts become dependent: at KKT points of the sector angle (`events`), exact to rounding.  X itself
 is analysed on both sides of each, and at it (handles can exist at one sector angle only): a transition is an event at
-which its signature (topology, corners, and the loops of its picture in the paper's chart) differs.  Between two events
+which its signature (topology, and corners) differs.  Between two events
 it must not change: intervals in which it does, and events without change, are reported, not hidden.  The topology does
 not depend on stiffness.
 """
@@ -39,15 +39,12 @@ class Signature:
 
     Attributes
     ----------
-    picture_holes
-        Loops of the picture in the paper's chart.
     corners
         States where several contacts close, by their contacts, with their number.
     components, holes, euler_characteristic, pinch_points, handle_ends, handles
         `Space.signature`.
     """
 
-    picture_holes: int = field(metadata=shown("drawn holes"))
     corners: tuple[tuple[tuple[str, ...], int], ...]
     components: int = field(metadata=shown("components"))
     holes: int = field(metadata=shown("holes"))
@@ -59,7 +56,7 @@ class Signature:
     @property
     def topology(self) -> tuple[int, ...]:
         """`Space.signature`."""
-        return tuple(vars(self).values())[2:]
+        return tuple(vars(self).values())[1:]
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ class Transition:
     alpha
         alpha_1 [rad], to rounding.
     changes
-        What changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
+        What changes, ``"topology"`` (of X), ``"corners"``.
     contacts
         The sets of contacts that become dependent.
     below, at, above
@@ -175,7 +172,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature:
         space = find_space(make(alpha), rings=rings)
-        return Signature(space.picture_holes, space.corners, *space.signature)
+        return Signature(space.corners, *space.signature)
 
     low, high = MARGIN, math.pi / 2 - MARGIN
     report("events", 0.0)
@@ -208,8 +205,6 @@ def _changes(below: Signature, at: Signature, above: Signature) -> tuple[str, ..
     changes = []
     if len({below.topology, at.topology, above.topology}) > 1:
         changes.append("topology")
-    if len({below.picture_holes, at.picture_holes, above.picture_holes}) > 1:
-        changes.append("picture")
     if below.corners != above.corners:
         changes.append("corners")
     return tuple(changes)

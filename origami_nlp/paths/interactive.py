@@ -54,6 +54,6 @@ def view_path(path: Path) -> Content:
                 drawn = [over.drawn(v) for v in t[a : b + 1]]
                 states, middle = [folded(p) for p in points], points[len(points) // 2]
                 tracks.append(join_states(title, states, view(middle), drawn, over.axis))
-    note, body = "" if tracks else "Nothing was followed.", posed(over.low).body
-    shown = stations, tuple(tracks), tuple(path.report_sections()), note, STEPS
+    body = posed(over.low).body
+    shown = stations, tuple(tracks), tuple(path.report_sections()), STEPS
     return Content(path.origami_at(over.low).title, body, *shown)

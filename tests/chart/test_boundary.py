@@ -1,12 +1,9 @@
-"""Exact boundaries, and the region they bound, against the closed forms."""
+"""Exact boundaries against the closed forms."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-import shapely
 
 import origami_nlp as o
 from origami_nlp.chart import (
@@ -15,8 +12,6 @@ from origami_nlp.chart import (
     chart_limits,
     chart_of,
     fold_vertex,
-    outline_of,
-    trace_boundary,
 )
 from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import PANELS, panel_boundary, thinned
@@ -37,7 +32,7 @@ def test_lines_are_where_admissibility_ends(name):
     """Points of a line close and are admissible; a little to one side, in the chart, no state is."""
     scene, chart = SCENES[name], chart_of(SCENES[name])
     x0, x1, y0, y1 = chart_limits(chart)
-    for line in boundary(name).lines:
+    for line in boundary(name):
         _, q = fold_vertex(scene.vertex, line.fold_angles)
         assert np.linalg.norm(q[:, 1:], axis=1).max() < 1e-12 and (q[:, 0] > 0).all()
         assert all(
@@ -55,33 +50,3 @@ def test_lines_are_where_admissibility_ends(name):
             sides.append(allowed(chart, line.branch, x, y)[0] & inside)
         assert not (sides[0] & sides[1]).any()
         assert not sides[0].any() if line.thin else (sides[0] | sides[1]).all()
-
-
-def same_region(scene: o.Scene, found: Boundary, size: int) -> None:
-    """The polygons hold a grid point exactly where the closed form has an admissible state."""
-    chart = chart_of(scene)
-    x0, x1, y0, y1 = chart_limits(chart)
-    x, y = np.meshgrid(np.linspace(x0, x1, size)[1:-1], np.linspace(y0, y1, size)[1:-1])
-    for branch, region in enumerate(found.regions):
-        good = allowed(chart, branch, x, y)[0]
-        differ = good != shapely.contains_xy(region, x, y)
-        at = shapely.points(x[differ], y[differ])
-        assert (shapely.distance(at, region.boundary) < 5e-4).all()
-        assert good.any() and differ.sum() < 0.002 * good.size
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_region_is_the_admissible_set(name):
-    same_region(SCENES[name], boundary(name), 157)
-
-
-def test_lines_between_stops_end_the_states_too():
-    """Stops are contacts of the boundary; where branches meet in a fold no region is claimed."""
-    scene = replace(o.examples.degree6("pi/4"), limits=(-2.0, 1.5))
-    found = trace_boundary(scene)
-    assert any("(stop)" in name for line in found.lines for name in line.contacts)
-    same_region(scene, found, 101)
-    vertex = o.Vertex(("pi/8", "5*pi/24", "5*pi/24", "pi/8") * 3)
-    wedge = o.Scene(vertex, (1.0,) * 12, (0.0,) * 12, "D3", mirror=1)
-    assert trace_boundary(wedge).lines and not trace_boundary(wedge).regions
-    assert outline_of(o.examples.degree8("pi/12", contact="none")) is None

@@ -14,7 +14,7 @@ def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_write
     data = disc([60, 100, 120, 80], "MVVV")
     file.write_text(json.dumps(data))
     springs = ("--stiffness", 0.3, "--rest-angle", 40)
-    quick = ("--prove", 0, "--effort", "quick", "--max-starts", 8)
+    quick = ("--no-prove", "--effort", "quick", "--max-starts", 8)
     for more, name in ((("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
         made = tmp_path / name
         done = run("inspect", file, *springs, *more, "-o", made)

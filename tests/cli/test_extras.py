@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from origami_nlp import examples, format_scene
 from tests.command_line import run
 
 ROOT = Path(__file__).parent.parent.parent
@@ -44,11 +43,3 @@ def test_a_command_without_its_extra_names_it(monkeypatch, tmp_path, module, ext
     assert f"needs {module}" in done.err and f'"origami_nlp[{extra}]"' in done.err.replace(
         "\n", " "
     )
-
-
-def test_no_certificate_of_a_proof_with_full_contact(tmp_path):
-    scene = tmp_path / "scene.toml"
-    scene.write_text(format_scene(examples.miura(contact="full")))
-    done = run("minima", scene, "--prove", "--certificate", tmp_path / "proof.json")
-    assert done.code == 2 and "fold-limits" in done.err
-    assert not (tmp_path / "proof.json").exists()

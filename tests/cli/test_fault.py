@@ -1,9 +1,5 @@
 """An exception that no command expects: its traceback, one line, exit code 70."""
 
-import errno
-
-import pytest
-
 from origami_nlp import examples
 from tests.command_line import run, scene_file
 
@@ -21,20 +17,3 @@ def test_an_unexpected_error_is_a_traceback_and_one_line(tmp_path, monkeypatch):
     code, out, err = run("inspect", scene)
     assert (code, out) == (70, "") and "test_fault.py" in err and "\x1b" not in err
     assert err.splitlines()[-1].startswith("origami-nlp: internal error, please report")
-
-
-@pytest.mark.parametrize(
-    ("error", "code", "words"),
-    [
-        (KeyboardInterrupt(), 130, "interrupted"),
-        (BrokenPipeError(), 141, ""),
-        (OSError(errno.ENOSPC, "No space left on device"), 2, "No space left on device"),
-    ],
-)
-def test_what_is_no_fault_of_ours_ends_as_before(error, code, words, tmp_path, monkeypatch):
-    scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
-    failing(monkeypatch, error)
-    monkeypatch.chdir(tmp_path)
-    found = run("inspect", scene)
-    assert found.code == code and words in found.err and "internal" not in found.err
-    assert [one.name for one in tmp_path.iterdir()] == [scene.name]

@@ -10,7 +10,6 @@ import origami_nlp as o
 from origami_nlp import pattern
 from origami_nlp.pattern import examples, fold_vertices, parse_fold, scene_at
 from tests.command_line import run, scene_file
-from tests.fold_files import miura
 
 
 @pytest.fixture
@@ -93,22 +92,6 @@ def test_a_vertex_becomes_a_scene_file_of_the_same_doubles(sheet, tmp_path):
     done = run("inspect", sheet, "--vertex", 5, "-o", "-.toml")
     assert o.parse_scene(done.out) == o.read_fold_scene(sheet, 5, on_note=lambda note: None)
     assert "degree" in done.err  # the table, beside what goes to standard output
-
-
-def test_several_frames_and_json_that_is_no_fold(tmp_path):
-    path, first = tmp_path / "a.fold", miura()
-    frames = [{**first}, {"frame_title": "no geometry"}]
-    path.write_text(json.dumps({**first, "file_frames": frames}))
-    done = run("inspect", path, "--vertex", 5)
-    assert done.code == 0 and "2 frames have geometry" in done.err
-    assert "frames" not in run("inspect", path, "--vertex", 5, "--frame", 1).err
-    other = tmp_path / "result.txt"
-    for file in (path, other):  # by its name, or by what is in it
-        file.write_text(json.dumps({"schema": "origami-nlp/minima/6", "scene": {}}))
-        code, _, err = run("minima", file)
-        assert code == 2 and err.count("\n") == 1 and "vertices_coords" in err
-    with pytest.raises(o.OrigamiError, match="read_fold_scene"):
-        o.read_scene(other)
 
 
 def test_examples_are_written_as_asked(tmp_path):

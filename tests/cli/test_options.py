@@ -6,7 +6,6 @@ import pytest
 from typer.main import get_command
 
 from origami_nlp.cli import app
-from origami_nlp.cli.options import WRITES
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
@@ -51,16 +50,6 @@ def test_one_option_is_one_thing_in_all_commands():
     assert ratios.pop(("example",)) is None  # each example has its own
     assert set(ratios.values()) == {1.0}
     assert {p.default for p in seen["--seed"].values()} == {0}
-
-
-def test_every_option_says_what_stands_after_it():
-    """By a word of ours; and one that writes a file by the same word everywhere."""
-    for name, path, one in options():
-        assert one.help, (path, name)
-        if not one.is_flag and name not in ("--install-completion", "--show-completion"):
-            assert one.metavar, (path, name)
-        if one.metavar == WRITES:
-            assert one.help.startswith("Write"), (path, name)
 
 
 @pytest.mark.parametrize("width", [40, pytest.param(200, marks=pytest.mark.slow)])

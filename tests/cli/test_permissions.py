@@ -58,16 +58,6 @@ def test_a_file_that_may_not_be_written_is_refused_before_the_work(here, monkeyp
     is_refused(words, words[-1])
 
 
-def test_a_folder_that_may_not_be_looked_into(here, monkeypatch):
-    stat = os.stat
-
-    def locked(path, *more, **options):
-        return refuse(path) if "locked" in str(path) else stat(path, *more, **options)
-
-    monkeypatch.setattr("os.stat", locked)
-    is_refused(("minima", os.path.join("locked", "a.toml")), "locked")
-
-
 @pytest.mark.parametrize(
     "words",
     [

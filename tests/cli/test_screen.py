@@ -1,18 +1,15 @@
 """What people see: no letter of it lost to markup, a narrow terminal or a pipe, and a job that lives says so."""
 
-import contextlib
 import io
 import json
 import re
 import sys
 
-import pytest
-
 import origami_nlp
 from origami_nlp.cli import progress
 from origami_nlp.cli.output import Output
 from origami_nlp.display import Table
-from origami_nlp.io import printable, screen
+from origami_nlp.io import printable
 from tests.command_line import run
 from tests.fold_files import disc
 
@@ -25,49 +22,6 @@ def bare(text):
 
 
 # ---------------------------------------------------------------- tables
-
-
-def show(thing, width):
-    """What a console of so many columns shows; None: a pipe."""
-    file = io.StringIO()
-    with contextlib.redirect_stdout(file):
-        console = screen()
-        console.width = width or console.width
-        console.print(thing)
-    return file.getvalue()
-
-
-NUMBERS = (
-    (
-        "#",
-        "energy [J]",
-        "moment of every contact [N m]",
-        "kind",
-        "verdict when the symmetry breaks",
-    ),
-    [
-        ("1", "0.0970374403", "0.02665", "contact-pinned", "unstable"),
-        ("2", "0.123370055", "-0.0001", "contact-touching", "stable"),
-    ],
-)
-
-
-@pytest.mark.parametrize("width", [None, 120, 80, 50, 30])
-def test_numbers_are_never_broken_and_heads_give_way_first(width):
-    out = show(Table(*NUMBERS), width)
-    for cell in (cell for row in NUMBERS[1] for cell in row):
-        assert cell in out
-    for word in " ".join(NUMBERS[0]).split():
-        assert word in out
-
-
-@pytest.mark.parametrize("width", [None, 200, 40, 25])
-def test_words_are_folded_not_cut(width):
-    word = "M" * 150 + "V" * 90
-    out = show(Table(("number", "word"), [("3.14159265358979", word)], columns="lL"), width)
-    assert "3.14159265358979" in out
-    assert out.count("M") == 150 and out.count("V") == 90 and "\u2026" not in out
-    assert (word in out) == (width is None)  # a pipe has no edge
 
 
 # ---------------------------------------------------------------- names

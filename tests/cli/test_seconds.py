@@ -12,14 +12,10 @@ from origami_nlp import (
     Scene,
     Vertex,
     examples,
-    find_bifurcation_set,
     find_minima,
-    follow,
-    load_path,
     read_result,
 )
 from origami_nlp.cli import Ended
-from origami_nlp.errors import OUT_OF_TIME, OptionError
 from tests.command_line import run, scene_file
 
 
@@ -75,34 +71,6 @@ def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path,
         states = [p for b in data["branches"] for p in b["points"]]
         assert 5 < len(states) <= 12
         assert read_result(out).interrupted
-
-
-def test_states_of_a_path_that_was_cut_are_those_of_the_whole_one(monkeypatch):
-    """And where it was cut no event is: it is no limit point, and nothing snaps there."""
-    scene, few = examples.degree6("5*pi/12"), {"max_starts": 16}
-    whole = load_path(scene, 1, to=-0.15, **few)
-    clock_of_tracers(monkeypatch)
-    cut = load_path(scene, 1, to=-0.15, seconds=1000.0, **few)
-    (leg,) = cut.legs
-    assert leg.why == OUT_OF_TIME and not cut.snaps and not cut.events
-    assert "does not snap" in " ".join(str(cut).split())
-    known = {p.t: p.fold_angles for p in whole.legs[0].points}
-    assert len(leg.points) > 5 and all(known[p.t] == p.fold_angles for p in leg.points)
-
-
-def test_a_time_that_is_over_before_a_path_begins_is_said():
-    with pytest.raises(OptionError, match="the time was over before"):
-        load_path(examples.degree6("5*pi/12"), 1, to=-0.15, seconds=0.0)
-
-
-def test_nothing_followed_is_no_count_of_nothing():
-    found = find_bifurcation_set(
-        examples.degree6("5*pi/12"), "ratio=1:10", "alpha=74deg:75deg", seconds=0.0
-    )
-    assert found.interrupted and not found.curves
-    assert all(not line.intervals for line in found.lines)
-    atlas = follow(examples.degree6("5*pi/12"), "ratio=1:10", seconds=0.0)
-    assert atlas.interrupted and not atlas.branches and "time limit" in str(atlas)
 
 
 def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):

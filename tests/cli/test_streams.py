@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import examples, format_scene
-from origami_nlp.cli.start import THREADS
 from tests.command_line import run, scene_file
 
 ROOT = Path(__file__).parents[2]
@@ -30,13 +29,6 @@ def shell(line, **settings):
 
 
 @POSIX
-def test_closed_standard_input_is_named():
-    done = shell("nlp inspect - <&-")
-    assert done.returncode == 2
-    assert done.stderr == "origami-nlp: cannot read scene '-': standard input is closed\n"
-
-
-@POSIX
 def test_closed_standard_output_is_named_and_no_file_gets_what_is_printed(tmp_path):
     scene, out = scene_file(tmp_path, examples.degree6("pi/3", 1)), tmp_path / "out.json"
     done = shell(f"nlp minima {scene} -o - >&-")
@@ -49,17 +41,6 @@ def test_closed_standard_output_is_named_and_no_file_gets_what_is_printed(tmp_pa
         == 0
     )
     assert out.read_text().startswith("{")
-
-
-@pytest.mark.parametrize("asked", [{}, {"OPENBLAS_NUM_THREADS": "2"}])
-def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked, monkeypatch):
-    for name in THREADS:
-        monkeypatch.delenv(name, raising=False)
-    for name, value in asked.items():
-        monkeypatch.setenv(name, value)
-    assert run("--version").code == 0
-    reported = {name: os.environ[name] for name in THREADS if name in os.environ}
-    assert reported == (asked or {"OMP_NUM_THREADS": "1"})
 
 
 @pytest.mark.parametrize("kind", ["toml", "fold"])

@@ -3,9 +3,8 @@
 import io
 from dataclasses import replace
 
-from origami_nlp import Scene, Vertex, analyze_mobility, examples
+from origami_nlp import analyze_mobility, examples
 from origami_nlp.display import draw_states
-from origami_nlp.inverse_design import Target, Targets, design, draw_design
 from origami_nlp.pattern_states import draw_mobility
 
 NAME = r"a $\frac{$ b_c ^ \x"
@@ -24,11 +23,3 @@ def test_of_sheets():
     figure = draw_states(pattern, [(NAME, pattern.reference)], f"{NAME}: {NAME}")
     assert drawn(figure).count(r"\frac{") == 3
     assert drawn(draw_mobility(analyze_mobility(pattern))).count(r"\frac{")
-
-
-def test_of_designs():
-    vertex = Vertex.from_degrees((70, 80, 120, 90))
-    flat = Target(name=NAME, fold_angles=(0.0,) * 4)
-    scene = Scene(vertex, (1,) * 4, (0,) * 4, "none", name=NAME)
-    found = design(Targets(scene, (flat,)), effort="quick")
-    assert drawn(draw_design(found)).count(r"\frac{") >= 3

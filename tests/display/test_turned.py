@@ -58,7 +58,7 @@ def dihedral(points: np.ndarray, crease: Any, facets: Any) -> float:
 
 
 def test_states_on_the_page_are_those_of_the_package(page: str, result: MinimaResult) -> None:
-    (data,) = data_of(page)
+    data = data_of(page)
     assert len(data["stations"]) == len(result.minima) > 3
     for station, m in zip(data["stations"], result.minima, strict=True):
         corners = np.array(station["corners"])
@@ -74,13 +74,12 @@ def test_states_on_the_page_are_those_of_the_package(page: str, result: MinimaRe
 
 
 def test_contacts_are_named_with_their_moments(page: str, result: MinimaResult) -> None:
-    (data,) = data_of(page)
+    data = data_of(page)
     assert any(m.contacts for m in result.minima)
     for station, m in zip(data["stations"], result.minima, strict=True):
         assert len(station["marks"]) == len(m.contacts)
         for mark, contact in zip(station["marks"], m.contacts, strict=True):
-            assert contact.text in mark["text"] and "N m" in mark["label"]
-            assert mark["text"] in station["lines"]
+            assert "N m" in mark["label"] and any(contact.text in s for s in station["lines"])
             assert mark["loaded"] == (contact.multiplier_range[1] > 0)
             assert {c - 1 for c in contact.creases} <= set(mark["creases"])
             assert {f - 1 for f in contact.facets} <= set(mark["facets"])
@@ -89,7 +88,7 @@ def test_contacts_are_named_with_their_moments(page: str, result: MinimaResult) 
 
 
 def test_a_descent_is_a_path_of_admissible_states(page: str, result: MinimaResult) -> None:
-    (data,) = data_of(page)
+    data = data_of(page)
     unstable = [m for m in result.minima if m.full_space and m.full_space.descent]
     assert len(data["tracks"]) == len(unstable) > 0
     for track, m in zip(data["tracks"], unstable, strict=True):
@@ -133,14 +132,7 @@ def test_text_of_a_user_stays_text(result: MinimaResult) -> None:
     scene = dataclasses.replace(result.scene, name=name)
     odd = display.interactive_page(dataclasses.replace(result, origami=scene).view_content())
     assert name not in odd and "<b>&co" not in odd
-    assert data_of(odd)[0]["title"] == scene.label
-
-
-def test_several_results_share_a_page(result: MinimaResult) -> None:
-    content = result.view_content()
-    both = display.interactive_page(content, dataclasses.replace(content, title="another"))
-    assert [d["title"] for d in data_of(both)] == [content.title, "another"]
-    assert both.count("<section class='report'") == 2
+    assert data_of(odd)["title"] == scene.label
 
 
 def test_jupyter_shows_the_page_in_a_frame_of_its_own(result: MinimaResult) -> None:
@@ -163,7 +155,7 @@ def sheet() -> Content:
 
 
 def test_any_path_of_any_body_can_be_shown_and_long_ones_are_thinned() -> None:
-    (data,) = data_of(display.interactive_page(sheet()))
+    data = data_of(display.interactive_page(sheet()))
     (track,) = data["tracks"]
     assert track["of"] == 300 > len(track["states"]) > 50
     assert track["parameter"][0] == 0 and track["parameter"][-1] == 1

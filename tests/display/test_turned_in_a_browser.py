@@ -51,7 +51,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 def test_states_and_paths_are_chosen_and_the_slider_folds(opened: Browser) -> None:
     count = opened.ask("$('state').options.length")
-    assert count == len(opened.ask("DATA[0].stations.map(s => s.title)")) > 3
+    assert count == len(opened.ask("DATA.stations.map(s => s.title)")) > 3
     assert not opened.ask("$('step').disabled")  # it opens on its first path
     weights = []
     for k in range(count):
@@ -61,7 +61,7 @@ def test_states_and_paths_are_chosen_and_the_slider_folds(opened: Browser) -> No
         assert "fold angles" in angles and "residuals" in angles
         opened.ask("render()")
         said = opened.ask("[...space.overlay.querySelectorAll('text')].map(t => t.textContent)")
-        marks = opened.ask(f"DATA[0].stations[{k}].marks.map(m => m.label)")
+        marks = opened.ask(f"DATA.stations[{k}].marks.map(m => m.label)")
         assert set(marks) <= set(said)
         assert opened.ask("$('step').disabled")
     assert len(set(weights)) > 2
@@ -76,7 +76,7 @@ def test_states_and_paths_are_chosen_and_the_slider_folds(opened: Browser) -> No
     assert f"step {last + 1} of" in reported[-1]
     # what is drawn lies by the stored corners, up to the paper's thickness
     off = opened.ask(
-        "(() => {const p = space.positions, s = DATA[0].tracks[0].states.at(-1);"
+        "(() => {const p = space.positions, s = DATA.tracks[0].states.at(-1);"
         "const at = p.filter((_, n) => n % 3 === 0).map((_, n) => p.slice(3 * n, 3 * n + 3));"
         "return Math.max(...s.corners.map(c => Math.min(...at.map(a => Math.hypot(...sub(a, c))))))})()"
     )
@@ -97,7 +97,7 @@ def test_nothing_is_wider_than_the_screen(opened: Browser, width: int) -> None:
     opened.until(f"innerWidth === {width}")
     opened.until("$('space').clientWidth === $('space').querySelector('canvas').clientWidth")
     assert opened.ask("document.documentElement.scrollWidth") <= width
-    for name in ("state", "path", "step", "play", "before", "after"):
+    for name in ("state", "path", "step", "before", "after"):
         left, right = opened.ask(
             f"(() => {{const r = $('{name}').getBoundingClientRect(); return [r.left, r.right]}})()"
         )

@@ -60,7 +60,7 @@ def test_the_landing_page_shows_states_that_the_search_finds(tmp_path):
 
     file = write_page("metasheet:3x3", tmp_path / "new", starts=0)
     text = (tmp_path / "new" / file).read_text()
-    (content,) = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    content = json.loads(text.split('id="data">')[1].split("</script>")[0])
     assert len(content["stations"]) == 2 and len(content["body"]["creases"]) == 12
     assert "2 pairs of facets" in text or "contact" in text
     assert len(text) < 2_000_000

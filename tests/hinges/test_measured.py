@@ -65,25 +65,6 @@ def test_data_without_noise_is_the_law():
     assert math.isnan(found.loop_area)
 
 
-def test_a_loop_is_found_where_there_is_one():
-    rng = np.random.default_rng(3)
-    found = o.fit_hinge(cycle(rng, gap=0.0))
-    assert abs(found.loop_area) <= max(2e-3, found.loop_error if found.loop_error > 0 else 0)
-    swapped = cycle(rng)
-    swapped = o.HingeData(swapped.angle[::-1], swapped.torque[::-1])
-    assert any("would give energy" in note for note in o.fit_hinge(swapped).notes)
-
-
-def test_noise_that_hangs_together_widens_the_band():
-    rng = np.random.default_rng(4)
-    x = np.linspace(-1.5, 2.0, 600)
-    noise = np.zeros(600)
-    for i in range(1, 600):
-        noise[i] = 0.8 * noise[i - 1] + 0.6 * NOISE * rng.normal()
-    found = o.fit_hinge(o.HingeData(x, true(x) + noise))
-    assert found.correlation > 0.4
-
-
 def test_a_scene_has_the_law_of_a_file(tmp_path):
     data = cycle(np.random.default_rng(5))
     written(tmp_path, data)

@@ -88,19 +88,6 @@ def test_handles_are_thin_for_an_independent_formulation(spaces):
             assert symmetrically_admissible(piece, other[None]).all()
 
 
-def test_picture_joins_states_that_are_apart(spaces):
-    for name in ("6, pi/3",):
-        space = spaces[name]
-        assert space.picture_holes == 2
-        points = sorted(p for p, _ in space.picture_joins)
-        assert np.allclose(points, [(-math.pi, math.pi), (math.pi, -math.pi)])
-        for _, (one, two) in space.picture_joins:  # same shape, other contact sides
-            turn = (np.array(one) - np.array(two)) / (2 * math.pi)
-            assert np.allclose(turn, np.round(turn))
-            assert np.abs(turn).max() > 0.5
-    assert spaces["6, pi/4"].picture_holes == 0
-
-
 def test_topology_of_known_complexes():
     tetrahedron = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
     none = np.empty((0, 2), dtype=int)

@@ -142,11 +142,11 @@ def test_the_command_proves_and_writes_it(tmp_path):
     code, table, _ = run("minima", scene, "--verbose", "--prove", "--certificate", out)
     assert code == 0
     assert len(read_certificate(out).minima) == 2
-    code, table, _ = run("minima", "--prove", "60", scene)
+    code, table, _ = run("minima", "--prove", scene)
     assert code == 0 and "list proved complete" in table
-    code, table, _ = run("minima", scene, "--verbose", "--prove", "0")
+    code, table, _ = run("minima", scene, "--verbose", "--no-prove")
     assert code == 0 and "list proved complete" not in table
-    for wrong in (("--prove", "-1"), ("--prove", "0", "--certificate", tmp_path / "b.json")):
+    for wrong in (("--no-prove", "--certificate", tmp_path / "b.json"),):
         code, _, err = run("minima", scene, "--verbose", *wrong)
         assert code == 2 and "prove" in err
         assert not (tmp_path / "b.json").exists()

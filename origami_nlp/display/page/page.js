@@ -12,7 +12,7 @@ const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain"
 const ALONE = location.hash === "#turning";
 const SPEED = ALONE && !matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.3 : 0;  // of turning by itself [rad/s]
 const BY_KEY = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
-const scene = {data: null, station: 0, track: -1, step: 0, playing: null, key: null};
+const scene = {data: null, station: 0, track: -1, step: 0, key: null};
 
 // ---------------------------------------------------------------- small vectors and words
 
@@ -51,18 +51,18 @@ function paperOf(state) {  // triangles of the facets, and their borders
 }
 
 function creasesOf(state) {  // a crease on each of its facets, by kind, and where its number stands
-  const kinds = {mountain: [], valley: [], "not folded": []}, owners = {mountain: [], valley: [], "not folded": []}, numbers = [];
+  const kinds = {mountain: [], valley: [], "not folded": []}, numbers = [];
   state.angles.forEach((phi, n) => {
     const c = scene.data.body.creases[n], a = state.corners[c.start], b = state.corners[c.end], kind = kindOf(phi);
     const two = [shift(state, c.left), shift(state, c.right)];
-    for (const s of length(sub(...two)) > 0 ? two : two.slice(1)) { kinds[kind].push(...add(a, s), ...add(b, s)); owners[kind].push(n); }
+    for (const s of length(sub(...two)) > 0 ? two : two.slice(1)) kinds[kind].push(...add(a, s), ...add(b, s));
     const middle = times(add(...two), 0.5), at = scene.round ? 1.1 : 0.5;
     const place = add(add(times(a, 1 - at), times(b, at)), middle);
     const same = numbers.find(e => length(sub(e.place, place)) < 0.04 * scene.reach);
     if (same) same.text += `, ${n + 1}`;
     else numbers.push({place, text: String(n + 1), dx: 0, dy: 0});
   });
-  return {kinds, owners, numbers: state.angles.length > MOST_NUMBERED ? [] : numbers};
+  return {kinds, numbers: state.angles.length > MOST_NUMBERED ? [] : numbers};
 }
 
 // Contacts stand off the paper; their label is on the side that is seen first.
@@ -75,17 +75,16 @@ function marksOf(state, marks, towards, right) {
         const a = state.corners[c.start], b = state.corners[c.end], axis = unit(sub(b, a));
         const out = add(times(normal[c.right], Math.cos(half)), times(cross(axis, normal[c.right]), Math.sin(half)));
         const at = add(add(times(a, 1 - t), times(b, t)), times(add(shift(state, c.right), shift(state, c.left)), 0.5));
-        return [at, out, state.angles[n]];
+        return [at, out];
       }),
       ...mark.facets.map(f => {
         const ring = outline(state, body.facets[f]);
-        return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f], 0];
+        return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f]];
       })];
-    found.forEach(([at, out, phi], n) => {
-      // what is fully folded has an outside only: above a mountain, below a valley
-      const closed = Math.abs(phi) > 2, seen = closed ? -Math.sign(phi) : dot(out, towards) >= 0 ? 1 : -1;
-      for (const side of closed ? [seen] : [seen, -seen])
-        places.push({place: add(at, times(out, side * off)), text: mark.text, loaded: mark.loaded});
+    found.forEach(([at, out], n) => {
+      const seen = dot(out, towards) >= 0 ? 1 : -1;
+      for (const side of [seen, -seen])
+        places.push({place: add(at, times(out, side * off)), loaded: mark.loaded});
       if (n) return;
       const place = add(at, times(out, seen * off));
       labels.push({place, text: mark.label, dx: dot(sub(at, scene.middle), right) >= 0 ? 42 : -42, dy: -24, mark: true});
@@ -96,7 +95,7 @@ function marksOf(state, marks, towards, right) {
 
 // ---------------------------------------------------------------- space
 
-const space = {renderer: null, camera: null, controls: null, speed: SPEED, last: 0, world: new LIB.Scene(), body: null, pickable: [], labels: [],
+const space = {renderer: null, camera: null, controls: null, speed: SPEED, last: 0, world: new LIB.Scene(), body: null, labels: [],
   dirty: true, positions: []};
 
 function openSpace() {
@@ -129,8 +128,6 @@ function openSpace() {
     space.speed = 0;
     turnBy(...BY_KEY[event.key]);
   });
-  canvas.addEventListener("pointermove", point);
-  canvas.addEventListener("pointerleave", () => { $("pointed").style.display = "none"; });
   (function turn(now = 0) {
     if (space.speed && scene.data) turnBy(space.speed * Math.min(now - space.last, 60) / 1000, 0);
     space.last = now;
@@ -176,15 +173,9 @@ function lookFrom([right, up, towards]) {
 }
 
 function segments(points, look) {
-  const geometry = new LIB.LineSegmentsGeometry().setPositions(points), dash = 0.07, gap = 0.05;
-  const lines = new LIB.LineSegments2(geometry, new LIB.LineMaterial({...look, dashSize: dash, gapSize: gap}));
-  lines.computeLineDistances();
-  const along = geometry.attributes.instanceDistanceStart.data.array;
-  for (let k = 0; k < along.length; k += 2) {  // each crease begins and ends with a dash
-    const dashes = Math.max(2, Math.round((along[k + 1] - along[k]) / (dash + gap) / scene.reach));
-    [along[k], along[k + 1]] = [0, dashes * (dash + gap) - gap];
-  }
-  return lines;
+  const geometry = new LIB.LineSegmentsGeometry().setPositions(points);
+  const dashes = {dashSize: 0.07 * scene.reach, gapSize: 0.05 * scene.reach};
+  return new LIB.LineSegments2(geometry, new LIB.LineMaterial({...look, ...dashes})).computeLineDistances();
 }
 
 function drawSpace() {
@@ -211,17 +202,9 @@ function drawSpace() {
   const paper = [[LIB.FrontSide, UPPER], [LIB.BackSide, LOWER]].map(([side, color]) =>
     new LIB.Mesh(geometry, new LIB.MeshLambertMaterial({side, color, ...behind})));
   body.add(...paper, segments(borders, {color: 0x333333, linewidth: 1.2}));
-  const {kinds, owners, numbers} = creasesOf(now.state);
-  space.pickable = [...paper];
+  const {kinds, numbers} = creasesOf(now.state);
   for (const [kind, points] of Object.entries(kinds)) {
-    if (!points.length) continue;
-    const lines = segments(points, CREASES[kind]);
-    lines.userData.text = k => {
-      const n = owners[kind][k];
-      return `crease ${n + 1}: ${kind}, ${degrees(now.state.angles[n])}°`;
-    };
-    body.add(lines);
-    space.pickable.push(lines);
+    if (points.length) body.add(segments(points, CREASES[kind]));
   }
   const {places, labels} = marksOf(now.state, now.marks, now.view[2], now.view[0]);
   for (const mark of places) {
@@ -229,9 +212,7 @@ function drawSpace() {
     const shape = mark.loaded ? new LIB.OctahedronGeometry(1.3 * size) : new LIB.SphereGeometry(0.8 * size, 16, 12);
     const mesh = new LIB.Mesh(shape, new LIB.MeshLambertMaterial({color: mark.loaded ? LOADED : 0xffffff}));
     mesh.position.set(...mark.place);
-    mesh.userData.text = () => mark.text;
     body.add(mesh);
-    space.pickable.push(mesh);
   }
   space.world.add(body);
   Object.assign(space, {labels: [...$("numbers").checked ? numbers : [], ...labels], positions: triangles, dirty: true});
@@ -250,47 +231,22 @@ function render() {
   for (const label of space.labels) {
     const p = new LIB.Vector3(...label.place).project(space.camera);
     const x = (p.x + 1) / 2 * w, y = (1 - p.y) / 2 * h, wide = 7.2 * label.text.length, anchor = label.dx > 0 ? "start" : label.dx < 0 ? "end" : "middle";
-    let tx = x + label.dx, ty = y + label.dy;
-    const left = () => anchor === "start" ? tx : anchor === "end" ? tx - wide : tx - wide / 2;
-    if (left() < 2) tx += 2 - left();
-    if (left() + wide > w - 2) tx -= left() + wide - w + 2;
-    const meets = () => put.some(r => Math.abs(r.y - ty) < 16 && left() < r.right && r.left < left() + wide);
+    const tx = x + label.dx;
+    let ty = y + label.dy;
+    const left = anchor === "start" ? tx : anchor === "end" ? tx - wide : tx - wide / 2, right = left + wide;
+    const meets = () => put.some(r => Math.abs(r.y - ty) < 16 && left < r.right && r.left < right);
     for (let tries = 0; meets() && tries < (label.mark ? 40 : 3); tries++) ty += 16;  // the later one gives way downwards
-    put.push({left: left(), right: left() + wide, y: ty});
+    put.push({left, right, y: ty});
     if (label.mark) parts.push(element("line", {x1: x, y1: y, x2: tx, y2: ty - 4}));
     parts.push(element("text", {x: tx, y: ty + (label.mark ? 0 : 5), "text-anchor": anchor, class: label.mark ? "mark" : "number"}, label.text));
   }
   space.overlay.replaceChildren(...parts);
 }
 
-const caster = new LIB.Raycaster();
-
-function point(event) {  // what lies under the pointer: a crease or a contact, if no facet is before it
-  const {left, top, width, height} = $("space").getBoundingClientRect();
-  const x = event.clientX - left, y = event.clientY - top;
-  caster.setFromCamera(new LIB.Vector2(2 * x / width - 1, 1 - 2 * y / height), space.camera);
-  caster.params.Line2 = {threshold: 6};
-  const near = 0.03 * scene.reach, hits = caster.intersectObjects(space.pickable, false);
-  const hit = hits.find(h => h.object.userData.text && h.distance < hits[0].distance + near);
-  const box = $("pointed");
-  box.style.display = hit ? "block" : "none";
-  if (!hit) return;
-  box.textContent = hit.object.userData.text(hit.faceIndex);
-  box.style.left = `${Math.min(x + 14, width - 160)}px`;
-  box.style.top = `${y + 14}px`;
-}
-
 // ---------------------------------------------------------------- energies
 
 const MARGIN = {marginLeft: 76, marginRight: 18, marginTop: 22, marginBottom: 40, style: {fontSize: "12px", overflow: "visible"}};
 const AXIS = {labelAnchor: "center", labelArrow: "none", ticks: 6, tickFormat: v => minus(Number(v.toPrecision(6)))};
-
-function figure(title, picture) {
-  const out = document.createElement("figure"), caption = document.createElement("figcaption");
-  caption.textContent = title;
-  out.append(caption, picture);
-  return out;
-}
 
 const sizeOf = () => Math.max(280, Math.min($("side").clientWidth || 600, 900));
 
@@ -302,14 +258,7 @@ function drawProfile() {
     y: {...AXIS, label: "energy [J]"}, marks: [
       LIB.line(points, {stroke: "#333", strokeWidth: 2}), LIB.dot(points, {r: 1.6, fill: "#333"}),
       LIB.dot([points[scene.step]], {r: 7, fill: "#e69f00", stroke: "#111", strokeWidth: 2})]});
-  const plot = picture.matches("svg") ? picture : picture.querySelector("svg");
-  plot.style.cursor = "pointer";
-  plot.onclick = event => {  // the state nearest to the pointer
-    const x = picture.scale("x").invert(event.offsetX);
-    scene.step = points.reduce((best, p, k) => Math.abs(p[0] - x) < Math.abs(points[best][0] - x) ? k : best, 0);
-    draw();
-  };
-  $("profile").append(figure("Energy along the path", picture));
+  $("profile").append(picture);
 }
 
 // ---------------------------------------------------------------- what is chosen
@@ -317,10 +266,10 @@ function drawProfile() {
 function current() {
   if (scene.track >= 0) {
     const track = scene.data.tracks[scene.track], state = track.states[scene.step];
-    return {state, view: track.view, marks: [], energy: track.energy[scene.step], all: track.states, key: `${scene.number} path ${scene.track}`};
+    return {state, view: track.view, marks: [], energy: track.energy[scene.step], all: track.states, key: `path ${scene.track}`};
   }
   const state = scene.data.stations[scene.station];
-  return {state, view: state.view, marks: state.marks, energy: state.energy, all: [state], key: `${scene.number} state ${scene.station}`};
+  return {state, view: state.view, marks: state.marks, energy: state.energy, all: [state], key: `state ${scene.station}`};
 }
 
 function fill(select, titles, chosen) {
@@ -331,13 +280,12 @@ function draw() {
   const now = current(), track = scene.data.tracks[scene.track], onPath = scene.track >= 0;
   $("state").value = scene.station;
   $("path").value = scene.track + 1;
-  $("step").disabled = $("play").disabled = !onPath;
+  $("step").disabled = !onPath;
   $("step").max = onPath ? track.states.length - 1 : 0;
   $("step").value = scene.step;
   let said = `energy ${number(now.energy)} J`;
   if (onPath) said += `; step ${scene.step + 1} of ${track.states.length}` +
     (track.of > track.states.length ? ` shown (${track.of} stored)` : "");
-  else if (scene.data.note) said += `. ${scene.data.note}`;
   $("where").textContent = said;
   const lines = onPath
     ? [`${scene.data.steps} Contacts are marked on chosen states only.`,
@@ -349,42 +297,27 @@ function draw() {
   drawSpace(); drawProfile();
 }
 
-function stop() {
-  clearInterval(scene.playing);
-  scene.playing = null;
-  $("play").innerHTML = "&#9654;";
-}
-
 function chooseState(n) {
-  stop();
   const count = scene.data.stations.length;
   Object.assign(scene, {station: (n + count) % count, track: -1, step: 0});
   draw();
 }
 
 function choosePath(n) {
-  stop();
   Object.assign(scene, {track: n, step: 0});
   if (n >= 0 && scene.data.tracks[n].start !== null) scene.station = scene.data.tracks[n].start;
   draw();
 }
 
-function chooseScene(n) {  // it opens on its first path, where it has one
-  stop();
-  const data = DATA[n], first = data.tracks.length && !ALONE ? 0 : -1;
-  let step = 0;
-  if (first === 0 && data.tracks[0].start === null && data.stations.length) {  // through the first state, not from it
-    const far = state => length(sub(state.angles, data.stations[0].angles)), {states} = data.tracks[0];
-    step = states.reduce((best, state, k) => far(state) < far(states[best]) ? k : best, 0);
-  }
+function openScene() {  // on its first path, where it has one
+  const data = DATA, first = data.tracks.length && !ALONE ? 0 : -1;
   scene.round = data.body.creases.every(c => c.start === data.body.creases[0].start);  // about one vertex: numbers beyond
   scene.creased = new Set(data.body.creases.flatMap(c => [`${c.start} ${c.end}`, `${c.end} ${c.start}`]));
-  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null});
+  Object.assign(scene, {data, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step: 0, key: null});
   $("title").textContent = data.title;
   fill($("state"), data.stations.map(s => s.title), 0);
   fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
   document.querySelectorAll(".paths").forEach(e => { e.style.display = data.tracks.length ? "" : "none"; });
-  document.querySelectorAll(".report").forEach((e, k) => { e.hidden = k !== n; });
   $("numbers").checked = data.body.creases.length <= 12 && !ALONE;
   const some = data.stations.length + data.tracks.length > 0;
   document.querySelector(".plots").style.display = some ? "" : "none";
@@ -399,21 +332,7 @@ $("path").onchange = event => choosePath(Number(event.target.value) - 1);
 $("step").oninput = event => { scene.step = Number(event.target.value); draw(); };
 $("numbers").onchange = drawSpace;
 $("upright").onclick = () => lookFrom(current().view);
-$("play").onclick = () => {
-  if (scene.playing) return stop();
-  const last = scene.data.tracks[scene.track].states.length - 1;
-  if (scene.step === last) scene.step = 0;
-  $("play").textContent = "❚❚";
-  scene.playing = setInterval(() => {
-    scene.step += 1;
-    draw();
-    if (scene.step >= last) stop();
-  }, 90);
-};
-$("scene").onchange = event => chooseScene(Number(event.target.value));
-fill($("scene"), DATA.map(d => d.title), 0);
-document.querySelectorAll(".many").forEach(e => { e.style.display = DATA.length > 1 ? "" : "none"; });
 window.onresize = () => { if (scene.data) drawProfile(); };  // it fits the width
 document.body.classList.toggle("alone", ALONE);
 openSpace();
-chooseScene(0);
+openScene();

@@ -29,7 +29,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.paper.cone.classes import SAFE, Branches, exact
 from origami_nlp.paper.cone.energy import BranchEnergy
 from origami_nlp.paper.cone.roots import minima_of
-from origami_nlp.paper.cone.rules import Cone, Rest, check_depth, check_ratio
+from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
 from origami_nlp.pattern import format_angle
 
 KINDS = ("interior", "contact", "cut")
@@ -88,9 +88,6 @@ class ConeMinima(ShortRepr):
     def count(self, kind: str) -> int:
         """Return the number of branches with a minimum of a kind, exact."""
         return int(self.branches.multiplicity[self.kind == kind].sum())
-
-    def __getitem__(self, rows: Any) -> ConeMinima:
-        return ConeMinima(*(column[rows] for column in vars(self).values()))
 
 
 @dataclass(frozen=True, repr=False)
@@ -180,7 +177,7 @@ class ConeCount(Report):
         return about | numbers | {"classes": [vars(m) for m in self.classes]}
 
 
-def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.0) -> ConeCount:
+def count(cone: Cone | int, ratio: float, elevation: float) -> ConeCount:
     """Find and count the minima of every branch of a cone.
 
     Parameters
@@ -191,9 +188,6 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
         r_k = k_even/k_odd, 1e-12 to 1e12.
     elevation
         v_0 of the rest state, signed [rad]; see `Cone.at_rest`.
-    depth
-        Keep only minima with (U_flat - U)/U_flat > depth; 0 keeps all of them, also
-        those at contact that lie higher than the flat state.
 
     Returns
     -------
@@ -215,7 +209,7 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     True
     """
     branches = Branches.of(cone)
-    ratio, depth = check_ratio(ratio), check_depth(depth)
+    ratio = check_ratio(ratio)
     rest = branches.cone.at_rest(elevation)
     rows, s, at_end, multiplier, ties = minima_of(branches, rest, np.full(len(branches), ratio))
     own = branches[rows]
@@ -224,8 +218,6 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     minima = ConeMinima(
         own, own.direction * s, here.total(here.energies), here.depth, kind, multiplier
     )
-    if depth > 0:
-        minima = minima[minima.depth > depth]
     return ConeCount(branches.cone, rest, ratio, minima, branches[ties])
 
 
@@ -273,7 +265,6 @@ def count_map(
     ratios: Sequence[float] | np.ndarray,
     elevations: Sequence[float] | np.ndarray,
     *,
-    depth: float = 0.0,
     progress: Callable[[int], None] | None = None,
 ) -> CountMap:
     """Count branch minima by kind at every (r_k, v_0): `count` for a plane.
@@ -284,8 +275,6 @@ def count_map(
         A `Cone`, or its degree.
     ratios, elevations
         Values of r_k, and of v_0 [rad], in any order.
-    depth
-        As in `count`.
     progress
         Called with the number of columns (elevations) done.
 
@@ -306,7 +295,6 @@ def count_map(
     [[37, 32, 32], [32, 32, 32]]
     """
     branches = Branches.of(cone)
-    depth = check_depth(depth)
     given = np.array([check_ratio(r, "ratios") for r in np.atleast_1d(ratios).tolist()])
     columns = np.array([check_number("elevations", v) for v in np.atleast_1d(elevations).tolist()])
     if given.ndim != 1 or columns.ndim != 1 or not given.size or not columns.size:
@@ -321,11 +309,8 @@ def count_map(
     each = np.repeat(given, len(branches))
     for k, elevation in enumerate(columns):
         rest = branches.cone.at_rest(elevation)
-        rows, s, at_end, *_ = minima_of(every, rest, each)
-        deep = slice(None)
-        if depth > 0:
-            deep = BranchEnergy(every[rows], rest, each[rows], s).depth > depth
-        rows, kind = rows[deep], _kinds(every[rows], at_end)[deep]
+        rows, _, at_end, *_ = minima_of(every, rest, each)
+        kind = _kinds(every[rows], at_end)
         for of in range(3):
             often = np.bincount(rows[kind == of], minlength=len(each))
             counts[of, :, k] = often.reshape(len(given), -1) @ numbers

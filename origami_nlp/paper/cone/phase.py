@@ -189,35 +189,23 @@ class PhaseDiagram(Report):
         kinds = Counter(b.kind for b in self.boundaries)
         yield "boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items())
 
-    def _numbers(self) -> dict[str, list[list[int]]]:
-        m = self.map
-        kinds = {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
-        return {name: numbers.tolist() for name, numbers in kinds.items()}
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        numbers = self._numbers()
-        for i, nu in enumerate(self.map.elevations.tolist()):
-            for k, r in enumerate(self.map.ratios.tolist()):
-                each = {name: n[k][i] for name, n in numbers.items()}
-                yield {"rest_elevation": nu, "ratio": r, **each}
-
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; maps are [ratio][rest elevation], numbers beyond 2^53 text."""
-        m, own = self.map, pick(self.map.cone, "degree", "rest", "end")
-        maps = {k: [[*map(exact, row)] for row in n] for k, n in self._numbers().items()}
+        m = self.map
+        kinds = {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
         each = "valleys changes direction multiplicity".split()
-        boundaries = [
-            dict(zip(each, b.branches.described(0), strict=True))
-            | pick(b, "kind", "rest_elevation", "ratio", "elevation")
-            for b in self.boundaries
-        ]
-        about = {"schema": self.SCHEMA, **own, "branches": str(m.cone.branches)}
-        return (
-            about
-            | pick(m, "ratios", "rest_elevations=elevations")
-            | maps
-            | {"boundaries": boundaries}
-        )
+        return {
+            "schema": self.SCHEMA,
+            **pick(m.cone, "degree", "rest", "end"),
+            "branches": str(m.cone.branches),
+            **pick(m, "ratios", "rest_elevations=elevations"),
+            **{name: [[*map(exact, row)] for row in n.tolist()] for name, n in kinds.items()},
+            "boundaries": [
+                dict(zip(each, b.branches.described(0), strict=True))
+                | pick(b, "kind", "rest_elevation", "ratio", "elevation")
+                for b in self.boundaries
+            ],
+        }
 
     @property
     def numbers(self) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""Phase diagrams of cones drawn: maps of numbers of branch minima, and the boundaries of every class beside them."""
+"""Phase diagrams of cones drawn: maps of numbers of branch minima, with their exact boundaries."""
 
 from __future__ import annotations
 
@@ -8,18 +8,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display import INKS, angle_ticks
+from origami_nlp.display import angle_ticks
 from origami_nlp.paper.cone.phase import PhaseDiagram
 
-STYLES: dict[str, tuple[Any, str]] = {
-    "start": ("-", "slope at the flat state"),
-    "end": ("--", "slope at the end (minimum inside / at the end)"),
-    "fold": (":", "fold: minimum meets maximum"),
-}
-"""Of boundaries, by kind: the line, and what it means."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
 
@@ -35,7 +28,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Three panels.
+        Two panels: all minima, and those at an end.
 
     Raises
     ------
@@ -45,14 +38,13 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     check_type("diagram", diagram, PhaseDiagram)
     counts, cone = diagram.map, diagram.map.cone
     held = "pinned by contact" if cone.end == "contact" else "at an end (contact or cut)"
-    figure = Figure(figsize=(12.3, 4.5), layout="constrained", dpi=110)
-    every, pinned, last = figure.subplots(1, 3, sharex=True, sharey=True)
+    figure = Figure(figsize=(8.4, 4.5), layout="constrained", dpi=110)
+    every, pinned = figure.subplots(1, 2, sharex=True, sharey=True)
     # numbers, and the kinds of boundaries at which they change
     _draw_map(every, diagram, counts.total, ("start", "fold"))
     _draw_map(pinned, diagram, counts.at_end, ("end",))
-    _draw_boundaries(last, diagram)
-    titles = ("branch minima", f"of these {held}", "boundaries of every class of branches")
-    for axes, title in zip((every, pinned, last), titles, strict=True):
+    titles = ("branch minima", f"of these {held}")
+    for axes, title in zip((every, pinned), titles, strict=True):
         axes.set_title(title, fontsize=9)
         axes.set_xlabel(r"rest elevation $\upsilon_0$", fontsize=9)
         axes.tick_params(labelsize=8, labelleft=True)
@@ -88,19 +80,3 @@ def _draw_map(axes: Any, diagram: PhaseDiagram, counts: np.ndarray, kinds: tuple
         f"{numbers[k]}/{total}" if total < 10**6 else f"{numbers[k] / total:.4g}" for k in ticks
     ]
     bar.ax.set_yticklabels(names, fontsize=8)
-
-
-def _draw_boundaries(axes: Any, diagram: PhaseDiagram) -> None:
-    """Draw boundaries: the line says the kind, the colour how many flaps are mountains."""
-    used = dict[str, Line2D]()
-    for curve in diagram.boundaries:
-        mountains = int(curve.branches.mountains[0])
-        ink, (style, words) = INKS[mountains % len(INKS)], STYLES[curve.kind]
-        axes.plot(curve.rest_elevation, curve.ratio, color=ink, linestyle=style, linewidth=1.4)
-        used[words] = Line2D([], [], color="#444444", linestyle=style, label=words)
-        name = f"mountain flaps: {mountains}"
-        used[name] = Line2D([], [], color=ink, label=name)
-    place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": 2}
-    axes.legend(
-        handles=[used[k] for k in sorted(used, reverse=True)], fontsize=7, frameon=False, **place
-    )

@@ -97,11 +97,6 @@ def check_ratio(ratio: float, field: str = "ratio") -> float:
     return check_number(field, ratio, 1 / EXTREME_RATIO, EXTREME_RATIO)
 
 
-def check_depth(depth: float) -> float:
-    """Return a well depth (U_flat - U)/U_flat of [0, 1], or raise an error; U >= 0, so no well is deeper than 1."""
-    return check_number("depth", depth, 0.0, 1.0)
-
-
 def _check_rule(name: str, value: object, rules: tuple[str, ...]) -> None:
     if not isinstance(value, str) or value not in rules:
         raise OptionError(f"{name} = {shown(value)}: write {' or '.join(rules)}")

@@ -9,9 +9,9 @@ SIDE = 1e-9
 SLOW = pytest.mark.slow
 
 
-def counts_of(branches, ratio, nu, depth):
+def counts_of(branches, ratio, nu):
     """Minima of one class: (inside, at its end)."""
-    found = cone.count(branches.cone, ratio, nu, depth=depth).minima
+    found = cone.count(branches.cone, ratio, nu).minima
     own = found.branches.of_class(branches.valleys, branches.changes, branches.direction)
     inside = found.kind == "interior"
     return int((own & inside).sum()), int((own & ~inside).sum())
@@ -31,7 +31,7 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree):
     for curve in cone.phase_boundaries(degree, lines=60):
         for k in sample(curve, 3, rng):
             nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
-            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, 0.0) for s in (-1, 1)]
+            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu) for s in (-1, 1)]
             assert sides[0] != sides[1], (curve, nu, ratio)
             assert curve.kind == "end" or abs(sum(sides[0]) - sum(sides[1])) == 1
             kinds.add(curve.kind)
