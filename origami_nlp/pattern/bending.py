@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -128,9 +127,9 @@ def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) ->
 class _Cutting:
     """Polygons that are cut into triangles, ear by ear at the shortest diagonal, or the longest.
 
-    Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: colours of
-    corners are refined by the rings of facets, lengths and creases around them until nothing new is seen (Weisfeiler
-    and Leman).  Where all look alike, diagonals are images of each other: one is cut, and the rest sees it.
+    Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: by how far all
+    corners and creases are, each with a weight of its kind.  Where all look alike, diagonals are images of each other:
+    one is cut, and the rest sees it.
     """
 
     def __init__(self, pattern: Pattern, diagonal: str) -> None:
@@ -143,13 +142,17 @@ class _Cutting:
         numbers = [pattern.stiffness, pattern.rest, *pattern.limit_angles, *probes]
         kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T.tolist()
         ends = (side(a, b) for a, b in pattern.ends.tolist())
+        self.kinds = kinds or [[]]
         self.kind: dict[Side, tuple[int, ...]] = dict(zip(ends, map(tuple, kinds), strict=True))
         while some := [f for f, p in enumerate(self.left) if len(p) > self.corners_left]:
             ties = {f: self._shortest(f) for f in some}
             sure = self._sure(ties)
             if not sure:
-                colour = self._colours()
-                seen = {f: sorted((self._seen(f, i, colour), i) for i in ties[f]) for f in some}
+                looks = self._looks()
+                seen = {
+                    f: sorted((sorted(looks[[*self._ends(f, i)]].tolist()), i) for i in ties[f])
+                    for f in some
+                }
                 ties = {f: [i for key, i in seen[f] if key == seen[f][0][0]] for f in some}
                 sure = self._sure(ties) or [min(some, key=lambda f: seen[f][0][0])]
             for f in sure:
@@ -178,34 +181,19 @@ class _Cutting:
         self.pieces[f].append((a, p[i], b))
         del p[i]
 
-    def _colours(self) -> np.ndarray:
-        """Return a number of each corner, equal where the sheet looks alike from them."""
-        rings = [r for r in [*self.left, *itertools.chain(*self.pieces)] if r]
-        pairs = [(len(r), *pair) for r in rings for pair in itertools.combinations(r, 2)]
-        many, a, b = np.array(pairs).T
-        length = _classes(np.linalg.norm(self.corners[a] - self.corners[b], axis=1)).tolist()
-        near: list[list[tuple[Any, int]]] = [[] for _ in self.corners]
-        for n, far, p, q in zip(many.tolist(), length, a.tolist(), b.tolist(), strict=True):
-            label = n, far, self.kind.get(side(p, q), ())
-            near[p].append((label, q))
-            near[q].append((label, p))
-        colour = [0] * len(self.corners)
-        while True:
-            keys = [
-                (colour[v], *sorted((label, colour[w]) for label, w in own))
-                for v, own in enumerate(near)
-            ]
-            rank = {key: n for n, key in enumerate(sorted(set(keys)))}
-            new = [rank[key] for key in keys]
-            if max(new) == max(colour):
-                return np.array(new)
-            colour = new
-
-    def _seen(self, f: int, i: int, colour: np.ndarray) -> tuple[Any, ...]:
-        """Return what a cut looks like: the colours of its ends, then those of the facet from there on."""
-        p, n = self.left[f], len(self.left[f])
-        a, b = (colour[v] for v in (p[i - 1], p[(i + 1) % n]))
-        return (*sorted((int(a), int(b))), *sorted(colour[p].tolist()))
+    def _looks(self) -> np.ndarray:
+        """Return a number of each corner, equal where the sheet looks alike from them: a sum over all that is drawn."""
+        x, kinds = self.corners, [*self.kind.values()]
+        cuts = np.array([[cut == (-1,)] for cut in kinds], float)
+        kinds = [k if k != (-1,) else (0,) * len(self.kinds[0]) for k in kinds]
+        heavy = np.column_stack([np.ones(len(kinds)), np.array(kinds, float), cuts])
+        weights = heavy @ np.sqrt(np.arange(2, 2 + heavy.shape[1]))
+        looks, size = np.zeros(len(x)), np.linalg.norm(x - x.mean(axis=0), axis=1).max()
+        points = [((v, v), 1.0) for v in range(len(x))]
+        for ends, weight in [*zip(self.kind, weights, strict=True), *points]:
+            away = (np.linalg.norm(x - x[v], axis=1) for v in ends)
+            looks += weight * np.exp(-sum(away) / size)
+        return _classes(looks)
 
 
 def _classes(values: np.ndarray) -> np.ndarray:
