@@ -159,6 +159,6 @@ def test_a_vertex_that_cannot_be_folded_does_not_end_the_listing():
         ],
         "edges_assignment": [*good["edges_assignment"], *bad["edges_assignment"]],
     }
-    (frame,) = parse_fold(json.dumps(both))
-    listed = list_vertices(frame)
-    assert [v.number for v in listed.vertices] == [0, shift] and listed.flat[0] is True
+    (listed,) = list_vertices(parse_fold(json.dumps(both))).to_dict()["frames"]
+    assert [v["number"] for v in listed["vertices"]] == [0, shift]
+    assert listed["vertices"][0]["folds_flat"] is True
