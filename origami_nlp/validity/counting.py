@@ -229,7 +229,7 @@ def count_orders(
     misses = problem.crossings.poses.apart(phi) / problem.crossings.size
     # what rounding leaves is no noise
     misses = misses if misses > 10 * CLOSURE_TOL else 0.0
-    found = Counted()
+    found, pairs, written = Counted(), 0, list[Any]()
     if max(misses, problem.residual(phi)) > 10 * NOISE:
         why = f"the state does not close: facets miss each other by {misses:.1e} of the sheet"
         found = Counted(reason=why, decided=False)
@@ -238,63 +238,66 @@ def count_orders(
         found = Counted(reason=f"facets {f + 1} and {g + 1} pass through each other")
     else:
         near = max(INSIDE, WIDENED * misses)
-        found = count_layers(problem, phi, near, unassigned, guesses)
-    written = () if found.reason else tuple(itertools.islice(_listed(found, most), most))
-    pairs = len(found.stack.pairs) if found.stack else 0
+        stack, orders = posed_orders(problem, phi, near, unassigned, guesses)
+        found, pairs = count_posed(orders, guesses), len(stack.pairs) if stack else 0
+        if stack and found.orders is not None and not found.reason:
+            written = [*itertools.islice(_listed(stack, found, most), most)]
     parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
-    told = (written, found.reason, found.decided, len(unassigned), misses)
+    told = (tuple(written), found.reason, found.decided, len(unassigned), misses)
     return LayerOrders(problem.pattern, phi, pairs, parts, *told)
 
 
-def _listed(found: Counted, most: int) -> Iterator[tuple[tuple[int, int, int], ...]]:
+def _listed(stack: Stack, found: Counted, most: int) -> Iterator[tuple[tuple[int, int, int], ...]]:
     """Go through the orders of a stack; of each part no more than are listed, the product begins with those."""
-    if not (found.stack and found.orders):
-        return
     each = [list(itertools.islice(found.orders.answers(p), most)) for p, _, _ in found.parts]
     unknowns = [u for part, _, _ in found.parts for u in part]
     values = [v == 1 for v in found.orders.values]
     for answer in itertools.product(*each):
         for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
             values[u] = v
-        yield found.stack.polygons(values)
+        yield stack.polygons(values)
 
 
 class Counted(NamedTuple):
-    """Layers of a state, parts of their orders with the number of each, whether that is all, and why there is none."""
+    """Orders of a stack: its parts with the number of orders of each and whether that is all, and why there is none."""
 
-    stack: Stack | None = None
-    orders: Orders | None = None
     parts: Sequence[tuple[Sequence[int], int, bool]] = ()
     reason: str = ""
     decided: bool = True
+    orders: Any = None
 
 
-def count_layers(
+def posed_orders(
     problem: PatternProblem,
     phi: np.ndarray,
     near: float,
     unassigned: Container[int] = (),
     guesses: int = GUESSES,
-) -> Counted:
-    """Pose the layers of a state, and count their orders part by part; no stack where there are too many."""
+) -> tuple[Stack | None, Orders | Counted]:
+    """Pose the layers of a state; the stack, and its orders or why there is none; no stack where there are too many."""
     if (facets := len(problem.crossings.facet)) > MOST_LAYERS / 10:
-        return Counted(reason=f"layers of {facets:,} facets are not ordered", decided=False)
-    stack, orders = Stack(problem.crossings, phi, near=near), None
+        return None, Counted(reason=f"layers of {facets:,} facets are not ordered", decided=False)
+    stack = Stack(problem.crossings, phi, near=near)
     if (many := len(stack.pairs)) > MOST_LAYERS:
         why = f"{many:,} pairs of layers: more than {MOST_LAYERS:,} are not ordered"
-        return Counted(stack, reason=why, decided=False)
+        return stack, Counted(reason=why, decided=False)
     try:
         posed = pose_stack(stack, unassigned, guesses)
-        if isinstance(posed, Layers):
-            return Counted(stack, reason=posed.reason)
-        orders = posed[0]
+    except Unclear:
+        return stack, Counted(reason=UNCLEAR, decided=False)
+    return stack, Counted(reason=posed.reason) if isinstance(posed, Layers) else posed[0]
+
+
+def count_posed(orders: Orders | Counted, guesses: int = GUESSES) -> Counted:
+    """Count the orders that are left open, part by part."""
+    if isinstance(orders, Counted):
+        return orders
+    try:
         parts = orders.counts()
-    except (Unclear, TimeoutError):
-        why = "the search for one was given up" if orders else UNCLEAR
-        return Counted(stack, orders, reason=why, decided=False)
+    except TimeoutError:
+        return Counted(reason="the search for one was given up", decided=False)
     none = [whole for _, many, whole in parts if not many]
     if any(none):
-        why = "layers have no order in which they do not cross"
-        return Counted(stack, orders, parts, why)
+        return Counted(parts, "layers have no order in which they do not cross", True, orders)
     why = f"no order was found with {guesses:,} guesses in each component" if none else ""
-    return Counted(stack, orders, parts, why, not none)
+    return Counted(parts, why, not none, orders)

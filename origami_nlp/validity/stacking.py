@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.numerics import INSIDE
 from origami_nlp.pattern_problem import Orders, PatternProblem, Stack, conflict
 from origami_nlp.validity.closing import face_words
-from origami_nlp.validity.counting import Counted, count_layers
+from origami_nlp.validity.counting import Counted, count_posed, posed_orders
 from origami_nlp.validity.faults import MILLI, Findings
 
 CREASES = "faceOrders agree with creases"
@@ -24,10 +24,9 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
     """Check the order of layers of a closed state [n] without crossings, stated or not."""
     stated = problem.pattern.orders
     near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, MILLI))
-    found = count_layers(problem, phi, near)
-    stack, orders = found.stack, found.orders
-    if stack is None or (orders is None and not found.decided):
-        f.skip(EXISTS, found.reason, undecided=True)
+    stack, orders = posed_orders(problem, phi, near)
+    if stack is None or (isinstance(orders, Counted) and not orders.decided):
+        f.skip(EXISTS, count_posed(orders).reason, undecided=True)
         return
     if not len(stack.pairs):
         f.settle(EXISTS, "no faces lie on each other")
@@ -38,13 +37,13 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
         for name in (WHOLE, EXISTS):
             f.skip(name, "the orders that are stated are not those of paper")
         return
-    elif orders:
+    elif isinstance(orders, Orders):
         _check_whole(f, stack, orders)
-    _check_exists(f, stack, found, bool(stated))
+    _check_exists(f, stack, count_posed(orders), bool(stated))
 
 
 def _check_stated(
-    f: Findings, stack: Stack, orders: Orders | None, stated: Sequence[Order]
+    f: Findings, stack: Stack, orders: Orders | Counted, stated: Sequence[Order]
 ) -> bool:
     """Check faceOrders with the creases, and with each other by the rules of paper; whether they are right."""
     shown = {one: [*as_read] for one, as_read in zip(stated, f.frame.face_orders, strict=True)}
@@ -61,7 +60,7 @@ def _check_stated(
     f.settle(CREASES, f"{len(known)} creases folded flat")
     # what contradicts each other, or what is known besides, is left out and the others looked at again
     left = [*stated]
-    while orders and (core := conflict(stack, orders, left)[0]):
+    while isinstance(orders, Orders) and (core := conflict(stack, orders, left)[0]):
         left = [one for one in left if one not in core]
         words = " and ".join(str(shown[one]) for one in core)
         faces = sorted({face for one in core for face in shown[one][:2]})
