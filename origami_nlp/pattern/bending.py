@@ -17,11 +17,13 @@ from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern
 
 
-def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") -> Pattern:
+def with_bending(pattern: Pattern, stiffness: float) -> Pattern:
     """Return a pattern whose facets with more than three corners bend about diagonals.
 
     Each such facet is cut into triangles by diagonals, and these are creases with a linear spring that rests flat.  As
-    the stiffness grows states tend to those of rigid facets, at a distance of one over it.
+    the stiffness grows states tend to those of rigid facets, at a distance of one over it.  The shortest is cut
+    first; of equal ones (squares, rectangles) one that is chosen by all that is drawn, whatever corners and creases are
+    called.
 
     Parameters
     ----------
@@ -29,11 +31,6 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         Of facets that are one convex polygon each.
     stiffness
         Of a diagonal, per length of it [N/rad].
-    diagonal
-        ``"short"`` or ``"long"``: which one is cut first; of equal ones (squares, rectangles) one that is chosen by the
-        lengths, springs and facets around its ends, whatever corners and creases are called.  ``"both"``: four halves,
-        which meet in a new corner; as facets do not stretch one of the two lines bends, or the facet is flat, and
-        states choose which (facets with more corners are cut by short ones until four are left).
 
     Returns
     -------
@@ -54,26 +51,19 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     (8, 8)
     """
     k = check_number("stiffness", stiffness, 0.0)
-    if diagonal not in ("short", "long", "both"):
-        raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
         raise SceneError("facets of several pieces do not bend: draw their inner edges as creases")
     if pattern.orders:
         raise SceneError("facets that bend have no faceOrders: leave these out")
     for number, polygon in enumerate(pattern.polygons, start=1):
         _check_convex(pattern.corners, polygon, number)
-    cutting = _Cutting(pattern, diagonal)
-    corners, polygons, cuts = list(pattern.corners), list[tuple[int, ...]](), list[Side]()
-    for own, left, cut in zip(cutting.pieces, cutting.left, cutting.cuts, strict=True):
-        polygons += own
-        cuts += cut
-        if len(left) < 4:
-            polygons.append(tuple(left))
-            continue
-        middle = len(corners)
-        corners.append(_where_diagonals_meet(pattern.corners[left]))
-        polygons += [(middle, a, b) for a, b in zip(left, left[1:] + left[:1], strict=True)]
-        cuts += [side(a, middle) for a in left]
+    cutting = _Cutting(pattern)
+    corners, cuts = pattern.corners, [cut for own in cutting.cuts for cut in own]
+    polygons = [
+        p
+        for own, left in zip(cutting.pieces, cutting.left, strict=True)
+        for p in (*own, tuple(left))
+    ]
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
     sides = [(a, b) for a, b in pattern.ends.tolist()]
@@ -83,13 +73,10 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         each = new if isinstance(new, list) else [new] * len(cuts)
         return dict(zip([*sides, *cuts], [*values, *each], strict=True))
 
-    which = "halves of both diagonals" if diagonal == "both" else f"{diagonal} diagonals"
-    told = (
-        f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat"
-    )
+    told = f"facets bend: {len(cuts)} short diagonals are creases of {k:g} N/rad per length, which rest flat"
     cell, stops = pattern.cell, pattern.limit_angles.T.tolist()
     made = make_sheet(
-        np.array(corners),
+        corners,
         polygons,
         cell and cell.lattice,
         rolled=cell and cell.rolled,
@@ -109,14 +96,6 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     return made.with_contact(pattern.contact)
 
 
-def _where_diagonals_meet(x: np.ndarray) -> np.ndarray:
-    """Return the crossing of the diagonals of a quadrilateral, [4, 3]."""
-    one, other = x[2] - x[0], x[3] - x[1]
-    share = np.linalg.lstsq(np.column_stack([one, -other]), x[1] - x[0], rcond=None)[0]
-    out: np.ndarray = x[0] + share[0] * one
-    return out
-
-
 def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) -> None:
     x = corners[list(polygon)]
     turns = cross(np.roll(x, -1, axis=0) - x, np.roll(x, -2, axis=0) - np.roll(x, -1, axis=0))
@@ -125,16 +104,15 @@ def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) ->
 
 
 class _Cutting:
-    """Polygons that are cut into triangles, ear by ear at the shortest diagonal, or the longest.
+    """Polygons that are cut into triangles, ear by ear at the shortest diagonal.
 
     Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: by how far all
     corners and creases are, each with a weight of its kind.  Where all look alike, diagonals are images of each other:
     one is cut, and the rest sees it.
     """
 
-    def __init__(self, pattern: Pattern, diagonal: str) -> None:
-        self.corners, self.longest = pattern.corners, diagonal == "long"
-        self.corners_left = 4 if diagonal == "both" else 3
+    def __init__(self, pattern: Pattern) -> None:
+        self.corners = pattern.corners
         self.left = [list(p) for p in pattern.polygons]
         self.pieces: list[list[tuple[int, ...]]] = [[] for _ in self.left]
         self.cuts: list[list[Side]] = [[] for _ in self.left]
@@ -144,7 +122,7 @@ class _Cutting:
         ends = (side(a, b) for a, b in pattern.ends.tolist())
         self.kinds = kinds or [[]]
         self.kind: dict[Side, tuple[int, ...]] = dict(zip(ends, map(tuple, kinds), strict=True))
-        while some := [f for f, p in enumerate(self.left) if len(p) > self.corners_left]:
+        while some := [f for f, p in enumerate(self.left) if len(p) > 3]:
             ties = {f: self._shortest(f) for f in some}
             sure = self._sure(ties)
             if not sure:
@@ -167,11 +145,10 @@ class _Cutting:
         return side(p[i - 1], p[(i + 1) % len(p)])
 
     def _shortest(self, f: int) -> list[int]:
-        """Return the corners of a facet that its shortest diagonals cut off, or its longest."""
+        """Return the corners of a facet that its shortest diagonals cut off."""
         ends = [self._ends(f, i) for i in range(len(self.left[f]))]
         size = np.array([np.linalg.norm(self.corners[a] - self.corners[b]) for a, b in ends])
-        best = size.max() if self.longest else size.min()
-        return np.flatnonzero(np.abs(size - best) <= INPUT_TOL * best).tolist()
+        return np.flatnonzero(size - size.min() <= INPUT_TOL * size.min()).tolist()
 
     def _cut(self, f: int, i: int) -> None:
         p = self.left[f]
