@@ -148,7 +148,6 @@ def convert(
     colour: list[str] | None = o.COLOUR,
     curves: str = o.CURVES,
     part: int | None = o.PART,
-    scale: float | None = o.SCALE,
     size: float | None = o.LONGEST,
 ) -> None:
     """Write the crease pattern of SOURCE as OUT, in another format.
@@ -156,7 +155,7 @@ def convert(
     What was repaired, left out or taken is listed.  A frame with a folded form (--frame K) is drawn flat, with its fold
     angles.
     """
-    from origami_nlp.drawings import DrawingOptions, WriteOptions
+    from origami_nlp.drawings import DrawingOptions
     from origami_nlp.pattern import convert as written
 
     out.check(("OUT", to))
@@ -168,7 +167,7 @@ def convert(
         letters[key] = letter.upper()
     asked = DrawingOptions(tolerance, letters, curves, part)
     drawing = asked if asked != DrawingOptions() else None
-    made = written(source, to, frame=frame, drawing=drawing, write=WriteOptions(scale, size))
+    made = written(source, to, frame=frame, drawing=drawing, size=size)
     for note in made.notes:
         out.say(f"note: {note}")
     counts = Counter(made.letters)

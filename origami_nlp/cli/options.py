@@ -145,7 +145,6 @@ ORDERS = _flag("Count the layer orders of one ORIGAMI; -o FILE.fold lists them."
 COLOUR = _option("KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, or - for nothing.")
 CURVES = _option("refuse|leave", "Leave curves out.", usual="refuse")
 PART = _option("K", "One of several sheets, from 1, the largest first.")
-SCALE = _option("MM", "Millimetres for one unit of the file.")
 LONGEST = _option("MM", "Millimetres of the longest side.", "--longest")
 ALPHA = _option("ANGLE", 'Sector angle alpha [rad], a number or e.g. "pi/4".')
 
