@@ -82,10 +82,10 @@ def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None
         lines = [*x[edges][:, :, :2]]
         if frame.folded or edges is wrong:
             axes.add_collection(LineCollection(lines, colors=colour, linewidths=wide, alpha=0.5))
-    places: dict[tuple[float, ...], list[str]] = {}
+    places: dict[tuple[float, float], list[str]] = {}
     for k, one in (each for each in faults if each[1].place):
-        at = view @ np.array([*one.place, 0.0][:3])
-        places.setdefault(tuple(np.round(at[:2], 9)), []).append(str(k))
+        px, py, _ = np.round(view @ np.array([*one.place, 0.0][:3]), 9).tolist()
+        places.setdefault((px, py), []).append(str(k))
     for at, which in places.items():
         text = ", ".join(which[:3]) + ", ..." * (len(which) > 3)
         axes.plot(*at, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)

@@ -47,10 +47,6 @@ def test_a_vertex_that_does_not_fold_flat(name):
         assert found[test][0].size == pytest.approx(math.radians(2.0))
 
 
-def test_a_vertex_that_folds_flat_is_valid():
-    assert o.check(star([45, 90, 135, 90], "VMMM")).verdict == "valid"
-
-
 def test_little_angle_between_two_creases_of_one_letter():
     (one,) = faults(star([45, 90, 135, 90], "MMVM"))["layers round each vertex"]
     assert one.vertices == (0,)
