@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,10 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, cross
-from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern
+from origami_nlp.pattern.sheet_data import pattern_from_dict, pattern_to_dict
 
 
 def with_bending(pattern: Pattern, stiffness: float) -> Pattern:
@@ -59,41 +58,29 @@ def with_bending(pattern: Pattern, stiffness: float) -> Pattern:
         _check_convex(pattern.corners, polygon, number)
     cutting = _Cutting(pattern)
     corners, cuts = pattern.corners, [cut for own in cutting.cuts for cut in own]
-    polygons = [
-        p
-        for own, left in zip(cutting.pieces, cutting.left, strict=True)
-        for p in (*own, tuple(left))
-    ]
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
-    sides = [(a, b) for a, b in pattern.ends.tolist()]
-    least = int(pattern.numbers.max(initial=-1)) + 1
-
-    def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
-        each = new if isinstance(new, list) else [new] * len(cuts)
-        return dict(zip([*sides, *cuts], [*values, *each], strict=True))
-
-    told = f"facets bend: {len(cuts)} short diagonals are creases of {k:g} N/rad per length, which rest flat"
-    cell, stops = pattern.cell, pattern.limit_angles.T.tolist()
-    made = make_sheet(
-        corners,
-        polygons,
-        cell and cell.lattice,
-        rolled=cell and cell.rolled,
-        assignment=of(pattern.assignment, "F"),
-        fold_angles=of(pattern.reference.tolist(), 0.0),
-        numbers=of(pattern.numbers.tolist(), [*range(least, least + len(cuts))]),
-        stiffness=of(
-            pattern.stiffness.tolist(),
-            [k * float(np.linalg.norm(corners[a] - corners[b])) for a, b in cuts],
-        ),
-        rest=of(pattern.rest.tolist(), 0.0),
-        limits=of(stops, (-math.pi, math.pi)) if pattern.limits else None,
-        laws=of(pattern.laws, None) if pattern.laws else None,
-        name=pattern.name,
-        notes=[*pattern.notes, told],
-    )
-    return made.with_contact(pattern.contact)
+    each = zip(cutting.pieces, cutting.left, strict=True)
+    least, many = int(pattern.numbers.max(initial=-1)) + 1, len(cuts)
+    told = f"facets bend: {many} short diagonals are creases of {k:g} N/rad per length, which rest flat"
+    lengths = np.linalg.norm(np.subtract(*corners[np.array(cuts).T]), axis=1)
+    of_cuts: dict[str, Any] = {
+        "creases": [[*cut] for cut in cuts],
+        "assignment": "F" * many,
+        "numbers": [*range(least, least + many)],
+        "reference": [0.0] * many,
+        "stiffness": (k * lengths).tolist(),
+        "rest_angles": [0.0] * many,
+        "limits": [[-math.pi, math.pi]] * many,
+        "law": [None] * many,
+        "notes": [told],
+    }
+    data = pattern_to_dict(pattern)
+    data |= {key: data[key] + more for key, more in of_cuts.items() if key in data}
+    # the state that a file states is one of facets that do not bend
+    data |= {"source": "", "file_angles": [None] * len(data["creases"])}
+    data["polygons"] = [[*p] for own, left in each for p in (*own, left)]
+    return pattern_from_dict(data)
 
 
 def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) -> None:
