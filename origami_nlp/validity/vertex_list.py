@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.display import Report
-from origami_nlp.io import pick, printable, to_plain
+from origami_nlp.io import printable, to_plain
 from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 from origami_nlp.validity.flat_fold import explained, folds_flat
@@ -51,7 +51,7 @@ class VertexList(Report):
                 {"folds_flat": folds_flat(v), "can_be_analysed": not v.reason} for v in vertices
             )
             own = [to_plain(v) | more for v, more in zip(vertices, said, strict=True)]
-            about = pick(frame, "frame=number", "title", "folded")
+            about = {"frame": frame.number, "title": frame.title, "folded": frame.folded}
             frames.append({**about, "notes": list(notes), "vertices": own})
         return {"schema": self.SCHEMA, "frames": frames}
 
