@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+import scipy as sp
 
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
@@ -105,10 +106,11 @@ class _Cutting:
         self.cuts: list[list[Side]] = [[] for _ in self.left]
         probes = law_probes(pattern.laws, False, 1.0).T
         numbers = [pattern.stiffness, pattern.rest, *pattern.limit_angles, *probes]
-        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T.tolist()
+        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers])
+        # powers of e are linearly independent over the whole numbers: no two kinds have one weight
+        weights = 1.0 + np.exp(np.linspace(0.0, 1.0, len(kinds))) @ kinds
         ends = (side(a, b) for a, b in pattern.ends.tolist())
-        self.kinds = kinds or [[]]
-        self.kind: dict[Side, tuple[int, ...]] = dict(zip(ends, map(tuple, kinds), strict=True))
+        self.weight: dict[Side, float] = dict(zip(ends, weights.tolist(), strict=True))
         while some := [f for f, p in enumerate(self.left) if len(p) > 3]:
             ties = {f: self._shortest(f) for f in some}
             sure = self._sure(ties)
@@ -141,22 +143,18 @@ class _Cutting:
         p = self.left[f]
         a, b = p[i - 1], p[(i + 1) % len(p)]
         self.cuts[f].append(side(a, b))
-        self.kind[side(a, b)] = (-1,)
+        self.weight[side(a, b)] = math.pi
         self.pieces[f].append((a, p[i], b))
         del p[i]
 
     def _looks(self) -> np.ndarray:
         """Return a number of each corner, equal where the sheet looks alike from them: a sum over all that is drawn."""
-        x, kinds = self.corners, [*self.kind.values()]
-        cuts = np.array([[cut == (-1,)] for cut in kinds], float)
-        kinds = [k if k != (-1,) else (0,) * len(self.kinds[0]) for k in kinds]
-        heavy = np.column_stack([np.ones(len(kinds)), np.array(kinds, float), cuts])
-        weights = heavy @ np.sqrt(np.arange(2, 2 + heavy.shape[1]))
+        x, weights = self.corners, np.array([*self.weight.values()])
+        a, b = np.array([*self.weight], int).reshape(-1, 2).T
         looks, size = np.zeros(len(x)), np.linalg.norm(x - x.mean(axis=0), axis=1).max()
-        points = [((v, v), 1.0) for v in range(len(x))]
-        for ends, weight in [*zip(self.kind, weights, strict=True), *points]:
-            away = (np.linalg.norm(x - x[v], axis=1) for v in ends)
-            looks += weight * np.exp(-sum(away) / size)
+        for own in np.array_split(np.arange(len(x)), len(x) // 100 + 1):
+            near = np.exp(-sp.spatial.distance.cdist(x[own], x) / size)
+            looks[own] = (near[:, a] * near[:, b]) @ weights + (near**2).sum(axis=1)
         return _classes(looks)
 
 
