@@ -6,7 +6,7 @@ from .contact import (
     find_segments as find_segments,
 )
 from .continuation import ContinuationOptions as ContinuationOptions
-from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
+from .drawings import DrawingOptions as DrawingOptions
 from .errors import OrigamiError as OrigamiError
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design

@@ -39,7 +39,7 @@ TASKS = {
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"
     ),
     "Springs for given states": "design inverse_design Design",
-    "Other formats": "convert DrawingOptions WriteOptions",
+    "Other formats": "convert DrawingOptions",
     "Draw, write, read": "draw draw_minima view save read_result to_frame write_fold write_mesh",
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"

@@ -35,13 +35,13 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     from origami_nlp.display import draw_pattern
     from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
     from origami_nlp.pattern_states import analyze_mobility, find_motion
-    from origami_nlp.validity import list_vertices, print_vertices, vertices_to_dict
+    from origami_nlp.validity import list_vertices
 
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)
     out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
-    lists, seen, motion = [list_vertices(one) for one in origami.frames()], None, None
-    flat = [one.frame for one in lists if not one.frame.folded]
+    vertices, seen, motion = list_vertices(origami.frames()), None, None
+    flat = [one for one in vertices.frames if not one.folded]
     if not path:
         out.refuse("a page shows the motion: give --path", "html")
         out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
@@ -52,8 +52,8 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
         if path or out.files("fold", "html"):
             raise
         why = f"no sheet of rigid facets: {error}"
-    out.say(partial(print_vertices, lists), *filter(None, (seen, motion)))
-    data = vertices_to_dict(lists) | (seen.to_dict() if seen else {})
+    out.say(vertices, *filter(None, (seen, motion)))
+    data = vertices.to_dict() | (seen.to_dict() if seen else {})
     out.write("json", lambda: data | ({"motion": motion.to_dict()} if motion else {}))
     out.write("figure", lambda: motion.draw() if motion else draw_pattern(flat[0]))
     if seen is None:
@@ -130,7 +130,6 @@ def convert(
     colour: list[str] | None = o.COLOUR,
     curves: str = o.CURVES,
     part: int | None = o.PART,
-    scale: float | None = o.SCALE,
     size: float | None = o.LONGEST,
 ) -> None:
     """Write the crease pattern of SOURCE as OUT, in another format.
@@ -138,7 +137,7 @@ def convert(
     What was repaired, left out or taken is listed.  A frame with a folded form (--frame K) is drawn flat, with its fold
     angles.
     """
-    from origami_nlp.drawings import DrawingOptions, WriteOptions
+    from origami_nlp.drawings import DrawingOptions
     from origami_nlp.pattern import convert as written
 
     out.check(("OUT", to))
@@ -150,7 +149,7 @@ def convert(
         letters[key] = letter.upper()
     asked = DrawingOptions(tolerance, letters, curves, part)
     drawing = asked if asked != DrawingOptions() else None
-    made = written(source, to, frame=frame, drawing=drawing, write=WriteOptions(scale, size))
+    made = written(source, to, frame=frame, drawing=drawing, size=size)
     for note in made.notes:
         out.say(f"note: {note}")
     counts = Counter(made.letters)

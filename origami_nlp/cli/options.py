@@ -79,7 +79,6 @@ PER_LENGTH = _file_flag("Stiffness is per length of crease [N/rad].", "--per-len
 REST_ANGLE = _of_file("DEG", "Size of rest angles where the file gives none [deg] (default 180).")
 REST_FROM = _of_file("file|measured", "Where a folded form rests (default: as its file says).")
 BEND = _of_file("K", "Facets bend about diagonals of stiffness K per length [N/rad].")
-DIAGONAL = _of_file("short|long|both", "Which diagonals --bend takes (default short).")
 SNAP = _of_file("SHARE", "Move corners of a drawing by at most this share: sectors become exact.")
 CELL = _file_flag("Of an example such as miura:1x1: a cell that repeats.", "--cell")
 ROLLED = _of_file("N", "Of --cell: copies once round a tube, N or P,Q along both; 0: may curl.")
@@ -136,7 +135,6 @@ ORDERS = _flag("Count the layer orders of one ORIGAMI; -o FILE.fold lists them."
 COLOUR = _option("KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, or - for nothing.")
 CURVES = _option("refuse|leave", "Leave curves out.", usual="refuse")
 PART = _option("K", "One of several sheets, from 1, the largest first.")
-SCALE = _option("MM", "Millimetres for one unit of the file.")
 LONGEST = _option("MM", "Millimetres of the longest side.", "--longest")
 ALPHA = _option("ANGLE", 'Sector angle alpha [rad], a number or e.g. "pi/4".')
 

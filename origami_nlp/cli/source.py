@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 REPEATS = ("cell", "rolled")
-OF_PATTERNS = ("per_length", "bend", "diagonal", "snap", *REPEATS)
+OF_PATTERNS = ("per_length", "bend", "snap", *REPEATS)
 """Options that mean something for whole patterns only."""
 
 
@@ -37,7 +37,7 @@ class Source:
         The file, ``-``, or an example such as ``miura:4x4``.
     vertex, frame, symmetry, contact
         What of a file is meant.
-    stiffness, rest_angle, rest_from, per_length, bend, diagonal
+    stiffness, rest_angle, rest_from, per_length, bend
         Springs that a file leaves open.
     snap
         How far corners of a drawing may be moved.
@@ -55,7 +55,6 @@ class Source:
     rest_from: str | None = o.REST_FROM
     per_length: bool | None = o.PER_LENGTH
     bend: float | None = o.BEND
-    diagonal: str | None = o.DIAGONAL
     snap: float | None = o.SNAP
     cell: bool | None = o.CELL
     rolled: str | None = o.ROLLED
@@ -132,14 +131,11 @@ class Source:
         self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
         if not self.is_example:
             self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
-        if self.bend is None:
-            self._refuse("is for facets that bend: give their stiffness, --bend K", {"diagonal"})
         frame = self._frame()
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
         whole = whole.with_springs(per_length=True) if self.per_length else whole
         whole = whole.with_contact(self.contact) if self.contact else whole  # type: ignore[arg-type]
-        if self.bend is not None:
-            whole = with_bending(whole, self.bend, self.diagonal or "short")
+        whole = whole if self.bend is None else with_bending(whole, self.bend)
         one = fold_vertices(frame)[0]  # what is wrong comes before what is odd
         if len(one) == 1 and whole.cell is None:
             note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")

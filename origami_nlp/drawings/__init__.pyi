@@ -8,6 +8,5 @@ from .reading import (
 from .sheet import Drawing as Drawing, half_edges as half_edges
 from .writing import (
     WRITTEN as WRITTEN,
-    WriteOptions as WriteOptions,
     write_drawing as write_drawing,
 )

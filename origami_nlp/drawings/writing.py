@@ -3,66 +3,30 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.drawings.cp import CP_CODES
 from origami_nlp.drawings.dxf import dxf_text
 from origami_nlp.drawings.sheet import Drawing
-from origami_nlp.drawings.style import SIMULATOR_COLOURS
-from origami_nlp.errors import DrawingError, OptionError
+from origami_nlp.errors import DrawingError
 
-_COLOURS = {letter: colour for colour, letter in reversed(SIMULATOR_COLOURS.items())}
-_GROUPS = {
-    "M": "mountains",
-    "V": "valleys",
-    "U": "unassigned",
-    "F": "flat",
-    "C": "cuts",
-    "B": "border",
+LOOKS = {
+    "M": ("mountains", "#ff0000", 2, "MountainLine", 1),
+    "V": ("valleys", "#0000ff", 3, "ValleyLine", 5),
+    "U": ("unassigned", "#ff00ff", 4, "UnassignedLine", 8),
+    "F": ("flat", "#ffff00", 4, "AuxiliaryLine", 4),
+    "C": ("cuts", "#00ff00", 1, "SlitLine", 6),
+    "B": ("border", "#000000", 1, "CutLine", 3),
 }
-
-
-@dataclass(frozen=True)
-class WriteOptions:
-    """How a drawing is written.
-
-    Attributes
-    ----------
-    scale
-        Millimetres for one unit of the drawing; None: its own unit.
-    size
-        Longest side [mm], instead of a scale.
-
-    Raises
-    ------
-    OptionError
-        If a value is none of these.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> o.WriteOptions(size=150).size
-    150
-    """
-
-    scale: float | None = None
-    size: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("scale", "size"):
-            if getattr(self, name) is not None:
-                check_number(f"{name} [mm]", getattr(self, name), math.ulp(0.0))
-        if self.scale is not None and self.size is not None:
-            raise OptionError("scale and size: give one of them")
+"""Group and colour of each letter in SVG (of Origami Simulator), code of .cp, layer and colour in DXF (of ORIPA)."""
 
 
 def write_drawing(
-    drawing: Drawing, kind: str, options: WriteOptions | None = None
+    drawing: Drawing, kind: str, size: float | None = None
 ) -> tuple[str, tuple[str, ...]]:
     """Return a drawing as the text of a file.
 
@@ -72,20 +36,22 @@ def write_drawing(
         Of `read_drawing`, or made of a frame.
     kind
         Of `WRITTEN`.
-    options
-        How.
+    size
+        Longest side [mm]; by default the drawing's own, in its unit.
 
     Returns
     -------
     str
         The file.
     tuple of str
-        What the format does not hold or the options changed, one line each.
+        What the format does not hold, one line each.
 
     Raises
     ------
     DrawingError
         If the format is not written.
+    OptionError
+        If the size is not positive.
 
     Examples
     --------
@@ -94,24 +60,16 @@ def write_drawing(
     >>> print(write_drawing(square, ".cp")[0].splitlines()[-1])
     2 0.0 0.0 2.0 2.0
     """
-    options = options or WriteOptions()
     if kind not in WRITTEN:
         raise DrawingError(f"{kind!r} is not written: end the name in {', '.join(WRITTEN)}, .fold")
+    if size is not None:
+        factor = check_number("size [mm]", size, math.ulp(0.0))
+        factor /= float(np.ptp(drawing.points, axis=0).max())
+        points, error = factor * drawing.points, factor * drawing.error
+        drawing = replace(drawing, points=points, error=error, length_unit="mm")
     notes: list[str] = []
-    text = WRITTEN[kind](scaled(drawing, options), notes)
+    text = WRITTEN[kind](drawing, notes)
     return text, tuple(notes)
-
-
-def scaled(drawing: Drawing, options: WriteOptions) -> Drawing:
-    """Return a drawing in the size in which it is written, in mm where one is asked for."""
-    factor = options.scale
-    if options.size is not None:
-        factor = options.size / float(np.ptp(drawing.points, axis=0).max())
-    if factor is None:
-        return drawing
-    return replace(
-        drawing, points=factor * drawing.points, error=factor * drawing.error, length_unit="mm"
-    )
 
 
 def _down(drawing: Drawing) -> np.ndarray:
@@ -141,8 +99,8 @@ def simulator_svg(drawing: Drawing, notes: list[str]) -> str:
     if drawing.title:
         out.append(f"<title>{escape(drawing.title)}</title>")
     lines = [*zip(drawing.letters, _down(drawing).tolist(), drawing.angles.tolist(), strict=True)]
-    for letter, group in _GROUPS.items():
-        look = f'stroke="{_COLOURS[letter]}" stroke-width="{size / 400:.4g}" fill="none"'
+    for letter, (group, colour, *_) in LOOKS.items():
+        look = f'stroke="{colour}" stroke-width="{size / 400:.4g}" fill="none"'
         here = [(row, angle) for own, row, angle in lines if own == letter]
         out += [f'<g id="{group}" {look}>'] if here else []
         for (x1, y1, x2, y2), angle in here:
@@ -161,9 +119,8 @@ def simulator_svg(drawing: Drawing, notes: list[str]) -> str:
 def cp(drawing: Drawing, notes: list[str]) -> str:
     """Return the text of a ``.cp`` file."""
     _lost(drawing, notes, ".cp", "UC")
-    code = {letter: number for number, letter in CP_CODES.items()} | {"U": 4, "C": 1}
     return "".join(
-        f"{code[letter]} {' '.join(map(repr, row))}\n"
+        f"{LOOKS[letter][2]} {' '.join(map(repr, row))}\n"
         for letter, row in zip(drawing.letters, _down(drawing).tolist(), strict=True)
     )
 
@@ -171,15 +128,15 @@ def cp(drawing: Drawing, notes: list[str]) -> str:
 def oripa_dxf(drawing: Drawing, notes: list[str]) -> str:
     """Return DXF with the layers of ORIPA and Oriedita."""
     _lost(drawing, notes, "DXF")
-    layers = {"M": ("MountainLine", 1), "V": ("ValleyLine", 5), "B": ("CutLine", 3)}  # theirs
-    layers |= {"F": ("AuxiliaryLine", 4), "U": ("UnassignedLine", 8), "C": ("SlitLine", 6)}
 
     def draw(space: Any) -> None:
         ends = drawing.points[drawing.edges].tolist()
         for letter, (a, b) in zip(drawing.letters, ends, strict=True):
-            space.add_line(a, b, dxfattribs={"layer": layers[letter][0]})
+            space.add_line(a, b, dxfattribs={"layer": LOOKS[letter][3]})
 
-    return dxf_text(dict(layers.values()), drawing.length_unit, draw)
+    return dxf_text(
+        {layer: colour for *_, layer, colour in LOOKS.values()}, drawing.length_unit, draw
+    )
 
 
 WRITTEN = {".svg": simulator_svg, ".dxf": oripa_dxf, ".cp": cp}

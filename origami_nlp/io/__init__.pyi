@@ -5,7 +5,6 @@ from .plain import (
     Unbounded as Unbounded,
     check_schema as check_schema,
     from_plain as from_plain,
-    pick as pick,
     to_plain as to_plain,
 )
 from .reading import (

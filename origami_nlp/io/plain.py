@@ -76,37 +76,6 @@ def to_plain(value: Any) -> Any:
     return _converter().unstructure(value)
 
 
-def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
-    """Return some attributes of an object as a plain dictionary.
-
-    Parameters
-    ----------
-    value
-        The object.
-    keys
-        ``"name"``, or ``"key=name"`` for an attribute that is written under another key; ``"a.b"`` is an attribute of
-        an attribute.
-    more
-        Entries that are no attributes; a key among `keys` that is given here keeps its place there.
-
-    Returns
-    -------
-    dict
-        What JSON can hold.
-    """
-    out: dict[str, Any] = {}
-    for text in keys:
-        key, _, path = text.partition("=")
-        if key in more:
-            out[key] = to_plain(more.pop(key))
-            continue
-        found = value
-        for name in (path or key).split("."):
-            found = getattr(found, name)
-        out[key] = to_plain(found)
-    return out | to_plain(more)
-
-
 def from_plain(
     kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError
 ) -> T:

@@ -99,7 +99,12 @@ from .pattern_file import (
     read_pattern as read_pattern,
 )
 from .places import Example as Example, Numbered as Numbered, with_numbers as with_numbers
-from .polygons import Side as Side, side as side, sides_of as sides_of
+from .polygons import (
+    Side as Side,
+    fold_between as fold_between,
+    side as side,
+    sides_of as sides_of,
+)
 from .relations import Relations as Relations
 from .scene import Scene as Scene
 from .scene_file import (

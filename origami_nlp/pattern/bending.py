@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import scipy as sp
 
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, cross
-from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern
+from origami_nlp.pattern.sheet_data import pattern_from_dict, pattern_to_dict
 
 
-def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") -> Pattern:
+def with_bending(pattern: Pattern, stiffness: float) -> Pattern:
     """Return a pattern whose facets with more than three corners bend about diagonals.
 
     Each such facet is cut into triangles by diagonals, and these are creases with a linear spring that rests flat.  As
-    the stiffness grows states tend to those of rigid facets, at a distance of one over it.
+    the stiffness grows states tend to those of rigid facets, at a distance of one over it.  The shortest is cut
+    first; of equal ones (squares, rectangles) one that is chosen by all that is drawn, whatever corners and creases are
+    called.
 
     Parameters
     ----------
@@ -30,11 +31,6 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         Of facets that are one convex polygon each.
     stiffness
         Of a diagonal, per length of it [N/rad].
-    diagonal
-        ``"short"`` or ``"long"``: which one is cut first; of equal ones (squares, rectangles) one that is chosen by the
-        lengths, springs and facets around its ends, whatever corners and creases are called.  ``"both"``: four halves,
-        which meet in a new corner; as facets do not stretch one of the two lines bends, or the facet is flat, and
-        states choose which (facets with more corners are cut by short ones until four are left).
 
     Returns
     -------
@@ -55,67 +51,37 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     (8, 8)
     """
     k = check_number("stiffness", stiffness, 0.0)
-    if diagonal not in ("short", "long", "both"):
-        raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
         raise SceneError("facets of several pieces do not bend: draw their inner edges as creases")
     if pattern.orders:
         raise SceneError("facets that bend have no faceOrders: leave these out")
     for number, polygon in enumerate(pattern.polygons, start=1):
         _check_convex(pattern.corners, polygon, number)
-    cutting = _Cutting(pattern, diagonal)
-    corners, polygons, cuts = list(pattern.corners), list[tuple[int, ...]](), list[Side]()
-    for own, left, cut in zip(cutting.pieces, cutting.left, cutting.cuts, strict=True):
-        polygons += own
-        cuts += cut
-        if len(left) < 4:
-            polygons.append(tuple(left))
-            continue
-        middle = len(corners)
-        corners.append(_where_diagonals_meet(pattern.corners[left]))
-        polygons += [(middle, a, b) for a, b in zip(left, left[1:] + left[:1], strict=True)]
-        cuts += [side(a, middle) for a in left]
+    cutting = _Cutting(pattern)
+    corners, cuts = pattern.corners, [cut for own in cutting.cuts for cut in own]
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
-    sides = [(a, b) for a, b in pattern.ends.tolist()]
-    least = int(pattern.numbers.max(initial=-1)) + 1
-
-    def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
-        each = new if isinstance(new, list) else [new] * len(cuts)
-        return dict(zip([*sides, *cuts], [*values, *each], strict=True))
-
-    which = "halves of both diagonals" if diagonal == "both" else f"{diagonal} diagonals"
-    told = (
-        f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat"
-    )
-    cell, stops = pattern.cell, pattern.limit_angles.T.tolist()
-    made = make_sheet(
-        np.array(corners),
-        polygons,
-        cell and cell.lattice,
-        rolled=cell and cell.rolled,
-        assignment=of(pattern.assignment, "F"),
-        fold_angles=of(pattern.reference.tolist(), 0.0),
-        numbers=of(pattern.numbers.tolist(), [*range(least, least + len(cuts))]),
-        stiffness=of(
-            pattern.stiffness.tolist(),
-            [k * float(np.linalg.norm(corners[a] - corners[b])) for a, b in cuts],
-        ),
-        rest=of(pattern.rest.tolist(), 0.0),
-        limits=of(stops, (-math.pi, math.pi)) if pattern.limits else None,
-        laws=of(pattern.laws, None) if pattern.laws else None,
-        name=pattern.name,
-        notes=[*pattern.notes, told],
-    )
-    return made.with_contact(pattern.contact)
-
-
-def _where_diagonals_meet(x: np.ndarray) -> np.ndarray:
-    """Return the crossing of the diagonals of a quadrilateral, [4, 3]."""
-    one, other = x[2] - x[0], x[3] - x[1]
-    share = np.linalg.lstsq(np.column_stack([one, -other]), x[1] - x[0], rcond=None)[0]
-    out: np.ndarray = x[0] + share[0] * one
-    return out
+    each = zip(cutting.pieces, cutting.left, strict=True)
+    least, many = int(pattern.numbers.max(initial=-1)) + 1, len(cuts)
+    told = f"facets bend: {many} short diagonals are creases of {k:g} N/rad per length, which rest flat"
+    lengths = np.linalg.norm(np.subtract(*corners[np.array(cuts).T]), axis=1)
+    of_cuts: dict[str, Any] = {
+        "creases": [[*cut] for cut in cuts],
+        "assignment": "F" * many,
+        "numbers": [*range(least, least + many)],
+        "reference": [0.0] * many,
+        "stiffness": (k * lengths).tolist(),
+        "rest_angles": [0.0] * many,
+        "limits": [[-math.pi, math.pi]] * many,
+        "law": [None] * many,
+        "notes": [told],
+    }
+    data = pattern_to_dict(pattern)
+    data |= {key: data[key] + more for key, more in of_cuts.items() if key in data}
+    # the state that a file states is one of facets that do not bend
+    data |= {"source": "", "file_angles": [None] * len(data["creases"])}
+    data["polygons"] = [[*p] for own, left in each for p in (*own, left)]
+    return pattern_from_dict(data)
 
 
 def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) -> None:
@@ -126,30 +92,34 @@ def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) ->
 
 
 class _Cutting:
-    """Polygons that are cut into triangles, ear by ear at the shortest diagonal, or the longest.
+    """Polygons that are cut into triangles, ear by ear at the shortest diagonal.
 
-    Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: colours of
-    corners are refined by the rings of facets, lengths and creases around them until nothing new is seen (Weisfeiler
-    and Leman).  Where all look alike, diagonals are images of each other: one is cut, and the rest sees it.
+    Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: by how far all
+    corners and creases are, each with a weight of its kind.  Where all look alike, diagonals are images of each other:
+    one is cut, and the rest sees it.
     """
 
-    def __init__(self, pattern: Pattern, diagonal: str) -> None:
-        self.corners, self.longest = pattern.corners, diagonal == "long"
-        self.corners_left = 4 if diagonal == "both" else 3
+    def __init__(self, pattern: Pattern) -> None:
+        self.corners = pattern.corners
         self.left = [list(p) for p in pattern.polygons]
         self.pieces: list[list[tuple[int, ...]]] = [[] for _ in self.left]
         self.cuts: list[list[Side]] = [[] for _ in self.left]
         probes = law_probes(pattern.laws, False, 1.0).T
         numbers = [pattern.stiffness, pattern.rest, *pattern.limit_angles, *probes]
-        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T.tolist()
+        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers])
+        # powers of e are linearly independent over the whole numbers: no two kinds have one weight
+        weights = 1.0 + np.exp(np.linspace(0.0, 1.0, len(kinds))) @ kinds
         ends = (side(a, b) for a, b in pattern.ends.tolist())
-        self.kind: dict[Side, tuple[int, ...]] = dict(zip(ends, map(tuple, kinds), strict=True))
-        while some := [f for f, p in enumerate(self.left) if len(p) > self.corners_left]:
+        self.weight: dict[Side, float] = dict(zip(ends, weights.tolist(), strict=True))
+        while some := [f for f, p in enumerate(self.left) if len(p) > 3]:
             ties = {f: self._shortest(f) for f in some}
             sure = self._sure(ties)
             if not sure:
-                colour = self._colours()
-                seen = {f: sorted((self._seen(f, i, colour), i) for i in ties[f]) for f in some}
+                looks = self._looks()
+                seen = {
+                    f: sorted((sorted(looks[[*self._ends(f, i)]].tolist()), i) for i in ties[f])
+                    for f in some
+                }
                 ties = {f: [i for key, i in seen[f] if key == seen[f][0][0]] for f in some}
                 sure = self._sure(ties) or [min(some, key=lambda f: seen[f][0][0])]
             for f in sure:
@@ -164,48 +134,28 @@ class _Cutting:
         return side(p[i - 1], p[(i + 1) % len(p)])
 
     def _shortest(self, f: int) -> list[int]:
-        """Return the corners of a facet that its shortest diagonals cut off, or its longest."""
+        """Return the corners of a facet that its shortest diagonals cut off."""
         ends = [self._ends(f, i) for i in range(len(self.left[f]))]
         size = np.array([np.linalg.norm(self.corners[a] - self.corners[b]) for a, b in ends])
-        best = size.max() if self.longest else size.min()
-        return np.flatnonzero(np.abs(size - best) <= INPUT_TOL * best).tolist()
+        return np.flatnonzero(size - size.min() <= INPUT_TOL * size.min()).tolist()
 
     def _cut(self, f: int, i: int) -> None:
         p = self.left[f]
         a, b = p[i - 1], p[(i + 1) % len(p)]
         self.cuts[f].append(side(a, b))
-        self.kind[side(a, b)] = (-1,)
+        self.weight[side(a, b)] = math.pi
         self.pieces[f].append((a, p[i], b))
         del p[i]
 
-    def _colours(self) -> np.ndarray:
-        """Return a number of each corner, equal where the sheet looks alike from them."""
-        rings = [r for r in [*self.left, *itertools.chain(*self.pieces)] if r]
-        pairs = [(len(r), *pair) for r in rings for pair in itertools.combinations(r, 2)]
-        many, a, b = np.array(pairs).T
-        length = _classes(np.linalg.norm(self.corners[a] - self.corners[b], axis=1)).tolist()
-        near: list[list[tuple[Any, int]]] = [[] for _ in self.corners]
-        for n, far, p, q in zip(many.tolist(), length, a.tolist(), b.tolist(), strict=True):
-            label = n, far, self.kind.get(side(p, q), ())
-            near[p].append((label, q))
-            near[q].append((label, p))
-        colour = [0] * len(self.corners)
-        while True:
-            keys = [
-                (colour[v], *sorted((label, colour[w]) for label, w in own))
-                for v, own in enumerate(near)
-            ]
-            rank = {key: n for n, key in enumerate(sorted(set(keys)))}
-            new = [rank[key] for key in keys]
-            if max(new) == max(colour):
-                return np.array(new)
-            colour = new
-
-    def _seen(self, f: int, i: int, colour: np.ndarray) -> tuple[Any, ...]:
-        """Return what a cut looks like: the colours of its ends, then those of the facet from there on."""
-        p, n = self.left[f], len(self.left[f])
-        a, b = (colour[v] for v in (p[i - 1], p[(i + 1) % n]))
-        return (*sorted((int(a), int(b))), *sorted(colour[p].tolist()))
+    def _looks(self) -> np.ndarray:
+        """Return a number of each corner, equal where the sheet looks alike from them: a sum over all that is drawn."""
+        x, weights = self.corners, np.array([*self.weight.values()])
+        a, b = np.array([*self.weight], int).reshape(-1, 2).T
+        looks, size = np.zeros(len(x)), np.linalg.norm(x - x.mean(axis=0), axis=1).max()
+        for own in np.array_split(np.arange(len(x)), len(x) // 100 + 1):
+            near = np.exp(-sp.spatial.distance.cdist(x[own], x) / size)
+            looks[own] = (near[:, a] * near[:, b]) @ weights + (near**2).sum(axis=1)
+        return _classes(looks)
 
 
 def _classes(values: np.ndarray) -> np.ndarray:

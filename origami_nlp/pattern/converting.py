@@ -15,7 +15,6 @@ from origami_nlp.drawings import (
     WRITTEN,
     Drawing,
     DrawingOptions,
-    WriteOptions,
     drawing_to_fold,
     write_drawing,
 )
@@ -34,7 +33,7 @@ def convert(
     *,
     frame: int | None = None,
     drawing: DrawingOptions | None = None,
-    write: WriteOptions | None = None,
+    size: float | None = None,
 ) -> Drawing:
     """Write the crease pattern of a file in another format.
 
@@ -48,8 +47,8 @@ def convert(
         Of a FOLD file, from 0; a folded form is drawn flat, with its fold angles.
     drawing
         What is known of a drawing beside it.
-    write
-        Size.
+    size
+        Longest side of a drawing that is written [mm].
 
     Returns
     -------
@@ -83,13 +82,12 @@ def convert(
         raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
     chosen = found[0]
     made = frame_drawing(_flat(frames, chosen), chosen)
-    options = write or WriteOptions()
     if kind == FOLD:
-        if options != WriteOptions():
-            raise DrawingError("scale and size are for drawings, not for FOLD")
+        if size is not None:
+            raise DrawingError("size is for drawings, not for FOLD")
         text, notes = json.dumps(drawing_to_fold(made), indent=1) + "\n", _lost(chosen)
     else:
-        text, notes = write_drawing(made, kind, options)
+        text, notes = write_drawing(made, kind, size)
     write_whole(out, text.encode())
     return replace(made, notes=(*made.notes, *notes))
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy as sp
 
-from origami_nlp.io import PrettyRepr, pick
+from origami_nlp.io import PrettyRepr, to_plain
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
 from origami_nlp.pattern import Contact as Mode, Pattern
 from origami_nlp.pattern_problem.closure import Closure
@@ -194,7 +194,8 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
 
     def _to_plain(self) -> dict[str, Any]:
         left = [{"what": what, "why": why} for what, why in self.left_out]
-        return pick(self, "variables=size", "equalities=equation_count", left_out=left)
+        size = {"variables": self.size, "equalities": self.equation_count, "left_out": left}
+        return to_plain(size)  # type: ignore[no-any-return]
 
     def torque(self, phi: np.ndarray) -> np.ndarray:
         """Gradient of the energy, load included, over `scale`, [n]."""

@@ -8,9 +8,4 @@ from .figure import draw_validity as draw_validity
 from .finding import check as check
 from .flat_fold import folds_flat as folds_flat
 from .result import Validity as Validity
-from .vertex_list import (
-    VertexList as VertexList,
-    list_vertices as list_vertices,
-    print_vertices as print_vertices,
-    vertices_to_dict as vertices_to_dict,
-)
+from .vertex_list import VertexList as VertexList, list_vertices as list_vertices

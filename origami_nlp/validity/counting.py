@@ -162,7 +162,6 @@ def layer_orders(
     fold_angles: Sequence[float] | np.ndarray | None = None,
     *,
     most: int = 100,
-    guesses: int = GUESSES,
 ) -> LayerOrders:
     """Count the layer orders of a folded state, and list some.
 
@@ -175,8 +174,6 @@ def layer_orders(
         closes the pattern folded flat, unassigned creases as mountains or valleys.
     most
         Orders that are listed.
-    guesses
-        Of the search in each component, after which it is given up.
 
     Returns
     -------
@@ -204,7 +201,6 @@ def layer_orders(
     sheet = as_pattern(pattern)
     sheet.check_alone("counting layer orders")
     check_whole("most", most, 0)
-    check_whole("guesses", guesses, 1)
     problem, free = PatternProblem(sheet), set[int]()
     if fold_angles is not None:
         phi = check_angles("fold_angles", fold_angles, sheet.creases, one=True)
@@ -215,7 +211,7 @@ def layer_orders(
             phi, residual = problem.project(stated, np.abs(stated) == math.pi)
         if residual > CLOSURE_TOL:
             phi, free = flat_folded(sheet)
-    return count_orders(problem, phi, free, most, guesses)
+    return count_orders(problem, phi, free, most)
 
 
 def count_orders(
@@ -223,7 +219,6 @@ def count_orders(
     phi: np.ndarray,
     unassigned: set[int],
     most: int,
-    guesses: int = GUESSES,
 ) -> LayerOrders:
     """Count the layer orders of a state; a drawing may miss closure by its noise."""
     misses = problem.crossings.poses.apart(phi) / problem.crossings.size
@@ -238,8 +233,8 @@ def count_orders(
         found = Counted(reason=f"facets {f + 1} and {g + 1} pass through each other")
     else:
         near = max(INSIDE, WIDENED * misses)
-        stack, orders = posed_orders(problem, phi, near, unassigned, guesses)
-        found, pairs = count_posed(orders, guesses), len(stack.pairs) if stack else 0
+        stack, orders = posed_orders(problem, phi, near, unassigned)
+        found, pairs = count_posed(orders), len(stack.pairs) if stack else 0
         if stack and found.orders is not None and not found.reason:
             written = [*itertools.islice(_listed(stack, found, most), most)]
     parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
@@ -272,7 +267,6 @@ def posed_orders(
     phi: np.ndarray,
     near: float,
     unassigned: Container[int] = (),
-    guesses: int = GUESSES,
 ) -> tuple[Stack | None, Orders | Counted]:
     """Pose the layers of a state; the stack, and its orders or why there is none; no stack where there are too many."""
     if (facets := len(problem.crossings.facet)) > MOST_LAYERS / 10:
@@ -282,13 +276,13 @@ def posed_orders(
         why = f"{many:,} pairs of layers: more than {MOST_LAYERS:,} are not ordered"
         return stack, Counted(reason=why, decided=False)
     try:
-        posed = pose_stack(stack, unassigned, guesses)
+        posed = pose_stack(stack, unassigned, GUESSES)
     except Unclear:
         return stack, Counted(reason=UNCLEAR, decided=False)
     return stack, Counted(reason=posed.reason) if isinstance(posed, Layers) else posed[0]
 
 
-def count_posed(orders: Orders | Counted, guesses: int = GUESSES) -> Counted:
+def count_posed(orders: Orders | Counted) -> Counted:
     """Count the orders that are left open, part by part."""
     if isinstance(orders, Counted):
         return orders
@@ -299,5 +293,5 @@ def count_posed(orders: Orders | Counted, guesses: int = GUESSES) -> Counted:
     none = [whole for _, many, whole in parts if not many]
     if any(none):
         return Counted(parts, "layers have no order in which they do not cross", True, orders)
-    why = f"no order was found with {guesses:,} guesses in each component" if none else ""
+    why = f"no order was found with {GUESSES:,} guesses in each component" if none else ""
     return Counted(parts, why, not none, orders)

@@ -136,6 +136,11 @@ class Findings:
         self.tests.append(Test(name, self.frame.number, status, said))
         return status == "ok"
 
+    def settle_faults(self, name: str) -> None:
+        """Record a test that is told of only where it has faults."""
+        if self.of(name):
+            self.settle(name)
+
     def skip(self, name: str, why: str, undecided: bool = False) -> None:
         """Record a test that does not apply, or is not decided."""
         status: Status = "not decided" if undecided else "does not apply"
@@ -147,29 +152,20 @@ class Findings:
         text: str,
         size: float | None = None,
         *,
-        unit: str | None = None,
         vertices: Sequence[int] = (),
         edges: Sequence[int] = (),
         faces: Sequence[int] = (),
         place: Sequence[float] | np.ndarray | None = None,
     ) -> None:
-        """Record a fault of this frame; its place is the middle of the vertices, and its unit that of the test."""
+        """Record a fault of this frame; its place is the middle of the vertices, else of edges or faces."""
         if place is None:
-            place = self.middle(vertices, edges, faces)
+            frame, at = self.frame, [*vertices]
+            if not at and len(edges):
+                at = frame.edges[np.isin(frame.numbers, edges)].ravel().tolist()
+            elif not at and frame.faces:
+                at = [v for k in faces for v in frame.faces[k]]
+            place = frame.coords[at].mean(axis=0) if at else ()
         v, e, fs = (tuple(map(int, numbers)) for numbers in (vertices, edges, faces))
-        at = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)
-        much = None if size is None else float(size)
-        unit = UNITS.get(test, "") if unit is None and much is not None else unit or ""
-        self.faults.append(Fault(test, text, self.frame.number, v, e, fs, at, much, unit))
-
-    def middle(
-        self, vertices: Sequence[int], edges: Sequence[int], faces: Sequence[int]
-    ) -> np.ndarray:
-        """Return the middle of vertices, else of edges, else of faces; nothing where there are none."""
-        frame = self.frame
-        if len(vertices) == 0 and len(edges):
-            of = np.isin(frame.numbers, edges)
-            vertices = frame.edges[of].ravel().tolist()
-        elif len(vertices) == 0 and frame.faces:
-            vertices = [v for f in faces for v in frame.faces[f]]
-        return frame.coords[[*vertices]].mean(axis=0) if len(vertices) else np.zeros(0)
+        x = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)
+        much, unit = (None, "") if size is None else (float(size), UNITS.get(test, ""))
+        self.faults.append(Fault(test, text, self.frame.number, v, e, fs, x, much, unit))

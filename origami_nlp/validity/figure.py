@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from origami_nlp.display import WARNING, draw_pattern, draw_state, pattern_view
-from origami_nlp.errors import OptionError, OrigamiError
-from origami_nlp.pattern import Frame, frame_pattern
+from origami_nlp.display import WARNING, draw_pattern, pattern_view
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import Frame
 from origami_nlp.validity.faults import Fault
 from origami_nlp.validity.result import Validity
 
@@ -70,30 +70,24 @@ def draw_validity(result: Validity) -> Figure:
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:
     """Draw a frame and what is wrong with it: edges thick, places as circles with the numbers of faults."""
     view, x = np.eye(3), frame.coords
-    if not frame.folded:
-        draw_pattern(frame, axes=axes)
+    if frame.folded:
+        view = pattern_view([x[list(face)] for face in frame.faces])
     else:
-        try:
-            pattern = frame_pattern(frame)
-            view = pattern_view([pattern.corners[list(p)] for p in pattern.polygons])
-            draw_state(axes, pattern, pattern.reference)
-        except OrigamiError:  # no sheet: its edges alone
-            view = pattern_view([x[list(face)] for face in frame.faces])
-            lines = [*(x @ view.T)[frame.edges][:, :, :2]]
-            axes.add_collection(LineCollection(lines, colors="#555555", linewidths=0.8))
+        draw_pattern(frame, axes=axes)
     x = x @ view.T
     axes.set_aspect("equal")
     axes.axis("off")
     wrong = frame.edges[np.isin(frame.numbers, [e for _, one in faults for e in one.edges])]
-    look: dict[str, Any] = {"colors": WARNING, "linewidths": 4.0, "alpha": 0.45, "zorder": 5}
-    axes.add_collection(LineCollection([*x[wrong][:, :, :2]], **look))
-    places: dict[tuple[float, ...], list[str]] = {}
-    for k, one in faults:
-        if one.place:
-            at = view @ np.array([*one.place, 0.0][:3])
-            places.setdefault(tuple(np.round(at[:2], 9)), []).append(str(k))
-    for (px, py), which in places.items():
+    for edges, colour, wide in ((frame.edges, "#555555", 0.8), (wrong, WARNING, 4.0)):
+        lines = [*x[edges][:, :, :2]]
+        if frame.folded or edges is wrong:
+            axes.add_collection(LineCollection(lines, colors=colour, linewidths=wide, alpha=0.5))
+    places: dict[tuple[float, float], list[str]] = {}
+    for k, one in (each for each in faults if each[1].place):
+        px, py, _ = np.round(view @ np.array([*one.place, 0.0][:3]), 9).tolist()
+        places.setdefault((px, py), []).append(str(k))
+    for at, which in places.items():
         text = ", ".join(which[:3]) + ", ..." * (len(which) > 3)
-        axes.plot(px, py, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
-        axes.annotate(text, (px, py), (7, 7), textcoords="offset points", color=WARNING, zorder=7)
+        axes.plot(*at, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
+        axes.annotate(text, at, (7, 7), textcoords="offset points", color=WARNING, zorder=7)
     axes.autoscale_view()

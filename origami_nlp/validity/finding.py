@@ -148,17 +148,16 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
 
 def _sheet_of(mate: Frame, folded: Frame) -> Pattern | None:
     """Return the crease pattern with the fold angles and letters of a folded form."""
+    said = replace(mate, fold_angles=folded.fold_angles, assignment=folded.assignment)
+    alike = np.array_equal(np.sort(mate.edges), np.sort(folded.edges))
+    if not (alike and np.array_equal(mate.numbers, folded.numbers)):
+        return None
     try:
-        sheet = frame_pattern(mate)
+        sheet = frame_pattern(said)
     except OrigamiError:
         return None  # said of that frame
-    alike = np.array_equal(np.sort(mate.edges), np.sort(folded.edges))
-    alike &= [{*q} for q in sheet.polygons] == [{*face} for face in folded.faces]
-    if not (sheet.is_flat and alike and np.array_equal(mate.numbers, folded.numbers)):
-        return None
-    which = [int(np.flatnonzero(folded.numbers == n)[0]) for n in sheet.numbers]
-    letters = "".join(folded.assignment[k].replace("?", "U") for k in which)
-    return replace(sheet, file_angles=folded.fold_angles[which], assignment=letters)
+    same = [{*q} for q in sheet.polygons] == [{*face} for face in folded.faces]
+    return sheet if sheet.is_flat and same else None
 
 
 def _check_pattern(f: Findings, beside_folded: bool) -> None:

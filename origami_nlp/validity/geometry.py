@@ -11,13 +11,14 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.numerics import NOISE, NONZERO, PLACES
+from origami_nlp.numerics import NOISE, NONZERO, PLACES, area_vectors
 from origami_nlp.pattern import (
     Frame,
     Pattern,
     Side,
     drawing_oddities,
     face_oddities,
+    fold_between,
     fold_vertices,
     frame_pattern,
     listed,
@@ -44,15 +45,21 @@ MOST_SIDES = 40
 
 def _lengths(x: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Return distances [m] of pairs of vertices [m, 2]."""
-    found: np.ndarray = np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1)
-    return found
+    return np.asarray(np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1))
 
 
-def _normal(x: np.ndarray) -> np.ndarray:
-    """Return the unit normal of a polygon, of corners [k, 3] in order."""
-    at = x - x[0]
-    n = np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0)
-    return np.asarray(n / max(float(np.linalg.norm(n)), NONZERO))
+def _folds(x: np.ndarray, polygons: Sequence[tuple[int, ...]]) -> dict[Side, float]:
+    """Return the fold angle [rad] at each side of two polygons of one sense, which need not be quite plane."""
+    normals = dict[tuple[int, int], np.ndarray]()
+    for q in polygons:
+        n = area_vectors(x[list(q)])
+        n = n / max(float(np.linalg.norm(n)), NONZERO)
+        normals |= {(q[i - 1], v): n for i, v in enumerate(q)}
+    return {
+        (v, w): fold_between(x[w] - x[v], normals[w, v], n) if (x[w] != x[v]).any() else 0.0
+        for (v, w), n in normals.items()
+        if v < w and (w, v) in normals
+    }
 
 
 def check_sheet(f: Findings) -> Pattern | None:
@@ -64,11 +71,10 @@ def check_sheet(f: Findings) -> Pattern | None:
         f.settle("drawing", f"{len(frame.edges)} edges")
     for e in sorted(int(frame.numbers[k]) for k in frame.conflicts):
         f.fault(name, f"edge {e} is stated twice with other letters or fold angles", edges=[e])
-    if frame.conflicts:
-        f.settle(name)
+    f.settle_faults(name)
     if frame.faces:
-        for o in face_oddities(frame, frame.faces):
-            f.fault(PLANES, o.text, o.size, unit="", vertices=o.vertices, faces=o.faces)
+        for o in (o for o in face_oddities(frame, frame.faces) if o.size is None):
+            f.fault(PLANES, o.text, vertices=o.vertices, faces=o.faces)
         known = {face for one in f.of(PLANES) for face in one.faces}
         for k, face in enumerate(frame.faces):
             x = frame.coords[list(face)] - frame.coords[list(face)].mean(axis=0)
@@ -109,28 +115,27 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
             _check_developable(f)
         return True
     _check_cuts(f, flat)
-    most, ends = f.lengths(flat), f.frame.edges
+    most, ends, at = f.lengths(flat), f.frame.edges, ""
     was, now = (_lengths(x, ends) for x in (flat.coords, f.frame.coords))
-    wrong = np.flatnonzero(np.abs(now - was) > most)
+    wrong, by = np.abs(now - was) > most, now - was
     ratio = now / np.maximum(was, NONZERO)
     scale = float(np.median(ratio))
-    even = len(wrong) == len(ends) and np.abs(ratio / scale - 1).max() <= most / f.size * 10
+    even = bool(wrong.all() and np.abs(ratio / scale - 1).max(initial=0.0) <= most / f.size * 10)
     if even and len(ends):
         text = f"all lengths are {scale:.6g} times those of the crease pattern: the state is scaled"
-        f.fault(LENGTHS, text, abs(scale - 1), unit="", place=f.frame.coords.mean(axis=0))
-    for k in wrong.tolist() if not even else ():
-        e, by = int(f.frame.numbers[k]), now[k] - was[k]
-        much = f"{_percent(by, was[k])} {'longer' if by > 0 else 'shorter'}"
-        text = f"edge {e} is {much} than in the crease pattern"
-        f.fault(LENGTHS, text, abs(by), vertices=ends[k].tolist(), edges=[e])
-    if not even:
+        f.fault(LENGTHS, text, float(np.abs(by).max()), place=f.frame.coords.mean(axis=0))
+    else:
+        for k in np.flatnonzero(wrong).tolist():
+            e, much = int(f.frame.numbers[k]), _more(by[k], was[k], "longer", "shorter")
+            text = f"edge {e} is {much} than in the crease pattern"
+            f.fault(LENGTHS, text, abs(by[k]), vertices=ends[k].tolist(), edges=[e])
         _sheared(f, flat, most, {side(*e) for e in ends[wrong].tolist()})
-    faults = f.of(LENGTHS)
-    moved, at = moved_vertices(faults), ""
-    if 2 * len(moved) <= len(faults) and not even:
-        at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
-    f.settle(LENGTHS, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
-    return even or not faults
+        faults = f.of(LENGTHS)
+        moved = moved_vertices(faults)
+        if faults and 2 * len(moved) <= len(faults):
+            at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
+    ok = f.settle(LENGTHS, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
+    return even or ok
 
 
 def _check_cuts(f: Findings, flat: Frame) -> None:
@@ -145,8 +150,7 @@ def _check_cuts(f: Findings, flat: Frame) -> None:
         here, there = ("cut", "not cut")[:: 1 if s in one else -1]
         text = f"edge {edge} is {here}, in the crease pattern it is {there}"
         f.fault(name, text, vertices=s, edges=[edge])
-    if f.of(name):
-        f.settle(name)
+    f.settle_faults(name)
 
 
 def moved_vertices(faults: Sequence[Fault]) -> list[int]:
@@ -164,9 +168,7 @@ def _sheared(f: Findings, flat: Frame, most: float, stretched: set[Side]) -> Non
     """Record faces whose sides are right and whose diagonals are not."""
     sides = sides_of(f.frame.faces)
     out = {k for s in stretched for k in sides.get(s, ())}
-    for k, face in enumerate(f.frame.faces):
-        if k in out:
-            continue
+    for k, face in ((k, face) for k, face in enumerate(f.frame.faces) if k not in out):
         few = len(face) <= MOST_SIDES
         pairs = itertools.combinations(face, 2) if few else zip(face, face[2:], strict=False)
         ends = np.array([*pairs])
@@ -175,9 +177,13 @@ def _sheared(f: Findings, flat: Frame, most: float, stretched: set[Side]) -> Non
         by, (a, b) = float(now[worst] - was[worst]), ends[worst].tolist()
         # a face that is bent is not sheared: its diagonals are then off by the square of that
         if abs(by) > 2 * most:
-            apart = f"{_percent(by, was[worst])} {'further apart' if by > 0 else 'closer'}"
+            apart = _more(by, was[worst], "further apart", "closer")
             text = f"face {k} has another shape: its vertices {a} and {b} are {apart}"
             f.fault(LENGTHS, text, abs(by), vertices=[a, b], faces=[k])
+
+
+def _more(by: float, of: float, more: str, less: str) -> str:
+    return f"{100 * abs(by) / max(of, NONZERO):.2g} % {more if by > 0 else less}"
 
 
 def _check_developable(f: Findings) -> None:
@@ -196,29 +202,39 @@ def _check_developable(f: Findings) -> None:
 
 def check_fold_angles(f: Findings, p: Pattern) -> None:
     """Check fold angles that the file states, and letters, against those of the coordinates."""
-    noise = _crease_noise(f, p)
+    noise, phi = _crease_noise(f, p), p.reference
     # facets that the coordinates of a moved vertex spoil; their angles are no fault of their own
-    off_shape = [one for one in f.faults if one.unit == "length" or one.test == PLANES]
-    spoilt = {*moved_vertices(off_shape)}
+    spoilt = {*moved_vertices([*f.of(LENGTHS), *f.of(PLANES)])}
     each = zip(p.polygons, p.facet_of.tolist(), strict=True)
     beside = np.isin(np.arange(p.facets), [facet for q, facet in each if spoilt & {*q}])
     out = beside[p.left] | beside[p.right]
-    stated = ~np.isnan(p.file_angles)
-    off = np.abs(p.file_angles - p.reference)
-    off = np.where(np.abs(p.reference) == math.pi, np.abs(np.abs(p.file_angles) - math.pi), off)
-    if not stated.any():
-        f.skip(ANGLES, "the file states no fold angles")
-    else:
-        for c in np.flatnonzero((np.nan_to_num(off) > noise) & ~out).tolist():
-            said, found = (f"{math.degrees(a[c]):.6g}" for a in (p.file_angles, p.reference))
-            text = (
-                f"edge {p.numbers[c]}: edges_foldAngle is {said}, that of its coordinates {found}"
-            )
-            f.fault(ANGLES, text, off[c], vertices=p.ends[c].tolist(), edges=[p.numbers[c]])
+    off = np.abs(p.file_angles - phi)
+    off = np.where(np.abs(phi) == math.pi, np.abs(np.abs(p.file_angles) - math.pi), off)
+    for c in np.flatnonzero((np.nan_to_num(off) > noise) & ~out).tolist():
+        said, found = (f"{math.degrees(a[c]):.6g}" for a in (p.file_angles, phi))
+        text = f"edge {p.numbers[c]}: edges_foldAngle is {said}, that of its coordinates {found}"
+        f.fault(ANGLES, text, off[c], vertices=p.ends[c].tolist(), edges=[p.numbers[c]])
+    if stated := (~np.isnan(p.file_angles)).sum():
         apart = f", {out.sum()} of them beside faces that are out of shape" if out.any() else ""
-        f.settle(ANGLES, f"{stated.sum()} of {p.creases} creases{apart}")
-    check_letters(f, p, np.where(np.abs(p.reference) > noise, p.reference, 0.0))
-    _flat_edges(f, p)
+        f.settle(ANGLES, f"{stated} of {p.creases} creases{apart}")
+    else:
+        f.skip(ANGLES, "the file states no fold angles")
+    check_letters(f, p, np.where(np.abs(phi) > noise, phi, 0.0))
+    _check_joined(f, p)
+
+
+def _check_joined(f: Findings, p: Pattern) -> None:
+    """Check that sides within a facet are not folded."""
+    creases, known = {side(*ends) for ends in p.ends.tolist()}, f.frame.edge_of
+    sides = sides_of(p.polygons)
+    for s, angle in _folds(p.corners, p.polygons).items():
+        if s not in creases and abs(angle) > NOISE + 4 * f.lengths() / f.size:
+            edges = [int(f.frame.numbers[known[s]])] if s in known else []
+            what = f"edge {edges[0]}" if edges else f"the side {s[0]}-{s[1]} of two faces"
+            folded = f"is folded by {math.degrees(abs(angle)):.6g} degrees: facets are rigid"
+            faces = sides[s] if f.frame.faces else []
+            text = f"{what} is no crease (F, J or none) and {folded}"
+            f.fault(FLAT, text, abs(angle), vertices=s, edges=edges, faces=faces)
     f.settle(FLAT, "edges F and J, and sides that are no edges")
 
 
@@ -227,18 +243,11 @@ def measured_on(sheet: Pattern, folded: Frame) -> Pattern:
 
     Faces need not be plane: it is for measuring alone.
     """
-    x, normals = folded.coords, dict[tuple[int, int], np.ndarray]()
-    for q in sheet.polygons:
-        n = _normal(x[list(q)])
-        normals |= {(q[i - 1], v): n for i, v in enumerate(q)}
-    phi = np.zeros(sheet.creases)
-    for c, (v, w) in enumerate(sheet.ends.tolist()):
-        right, left, d = normals[w, v], normals[v, w], x[w] - x[v]
-        sine = float(d @ np.cross(right, left)) / max(float(np.linalg.norm(d)), NONZERO)
-        phi[c] = math.atan2(sine, float(right @ left))
-        if math.pi - abs(phi[c]) < NOISE:
-            phi[c] = math.copysign(math.pi, sheet.signs[c] or phi[c])
-    return replace(sheet, corners=x, reference=phi)
+    angle = _folds(folded.coords, sheet.polygons)
+    phi = np.array([angle[side(*ends)] for ends in sheet.ends.tolist()])
+    flat = math.pi - np.abs(phi) < NOISE
+    phi[flat] = np.copysign(math.pi, np.where(sheet.signs == 0, phi, sheet.signs))[flat]
+    return replace(sheet, corners=folded.coords, reference=phi)
 
 
 def check_letters(f: Findings, p: Pattern, measured: np.ndarray) -> None:
@@ -274,25 +283,3 @@ def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
             widths[c] = min(widths[c], float(np.linalg.norm(out, axis=1).max()))
     digits = math.radians(MILLI) if is_coarse(p.file_angles) else PLACES
     return 4 * f.lengths() / np.maximum(widths, NONZERO) + digits
-
-
-def _flat_edges(f: Findings, p: Pattern) -> None:
-    """Record sides within a facet at which its pieces of paper are at an angle."""
-    normals = [_normal(p.corners[list(q)]) for q in p.polygons]
-    creases, known = {side(*ends) for ends in p.ends.tolist()}, f.frame.edge_of
-    for s, faces in sides_of(p.polygons).items():
-        if len(faces) != 2 or s in creases:
-            continue
-        one, other = (normals[k] for k in faces)
-        angle = math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
-        if angle > NOISE + 4 * f.lengths() / f.size:
-            edges = [int(f.frame.numbers[known[s]])] if s in known else []
-            what = f"edge {edges[0]}" if edges else f"the side {s[0]}-{s[1]} of two faces"
-            folded = f"is folded by {math.degrees(angle):.6g} degrees: facets are rigid"
-            text = f"{what} is no crease (F, J or none) and {folded}"
-            faces = faces if f.frame.faces else []
-            f.fault(FLAT, text, angle, vertices=s, edges=edges, faces=faces)
-
-
-def _percent(by: float, of: float) -> str:
-    return f"{100 * abs(by) / max(of, NONZERO):.2g} %"

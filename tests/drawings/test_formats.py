@@ -15,6 +15,7 @@ from origami_nlp.drawings.cp import read_cp
 from origami_nlp.drawings.opx import read_opx
 from origami_nlp.drawings.svg import path_chains, read_svg
 from origami_nlp.pattern import parse_fold
+from tests.hostile.__main__ import beans
 
 PLAIN = DrawingOptions()
 dxf_there = pytest.mark.skipif(
@@ -153,22 +154,8 @@ def test_lines_of_cp():
 
 
 def test_beans_of_opx():
-    line = '<void index="0"><object class="oripa.OriLineProxy">{}</object></void>'
-    number = '<void property="{}"><{}>{}</{}></void>'
-
-    def bean(code, **ends):
-        own = [number.format("type", "int", code, "int")] if code else []
-        own += [number.format(k, "double", v, "double") for k, v in ends.items()]
-        return line.format("".join(own))
-
-    lines = [bean(1, x1=4.0), bean(2, y1=1.0), bean(3, x0=1.0), bean(4, x0=2.0), bean(0, x0=3.0)]
-    lines.append(bean(2, x0="NaN"))
-    text = (
-        '<java><object class="oripa.DataSet"><void property="lines"><array class="oripa.OriLineProxy">'
-        + "".join(lines)
-        + '</array></void><void property="title"><string>Crane $x$</string></void></object></java>'
-    )
-    found = read_opx(text.encode(), "it", PLAIN)
+    rows = ("1 0 0 4 0", "2 0 0 0 1", "3 1 0 0 0", "4 2 0 0 0", "0 3 0 0 0", "2 NaN 0 0 0", "")
+    found = read_opx(beans("\n".join(rows), "Crane $x$"), "it", PLAIN)
     assert found.letters == ("B", "M", "V", "U", "F")  # 4 is unassigned here, auxiliary in .cp
     assert found.title == "Crane $x$"
     np.testing.assert_array_equal(found.ends[1], [[0, 0], [0, -1]])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.drawings import WriteOptions, read_drawing
+from origami_nlp.drawings import read_drawing
 from origami_nlp.pattern import examples, parse_fold, read_fold
 
 NAMES = ("miura:4x4", "waterbomb:3x3", "squaretwist", "yoshimura:3x3")
@@ -81,12 +81,12 @@ def test_dxf_states_millimetres_and_its_extents(tmp_path):
     import ezdxf
 
     path = tmp_path / "sized.dxf"
-    o.convert("waterbomb:3x3", path, write=WriteOptions(size=150.0))
+    o.convert("waterbomb:3x3", path, size=150.0)
     document = ezdxf.readfile(path)
     assert document.units == 4  # mm
     lines = document.modelspace().query("LINE")
     ends = np.array([(p.x, p.y) for one in lines for p in (one.dxf.start, one.dxf.end)])
     assert np.ptp(ends, axis=0).max() == pytest.approx(150.0)
     before = path.read_bytes()
-    o.convert("waterbomb:3x3", path, write=WriteOptions(size=150.0))
+    o.convert("waterbomb:3x3", path, size=150.0)
     assert before == path.read_bytes()

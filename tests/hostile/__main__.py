@@ -74,20 +74,19 @@ def read_back(file: str) -> None:
             ask()
 
 
-def beans(cp: str) -> bytes:
-    """Return the lines of a .cp file as ORIPA's older programs write them."""
-    line = '<void index="{}"><object class="oripa.OriLineProxy">{}</object></void>'
-    number = '<void property="{}"><{}>{}</{}></void>'
-    lines = []
+def beans(cp: str, title: str = "") -> bytes:
+    """Return the lines of a .cp file as ORIPA's older programs write them: no property that is 0."""
+    number = '<void property="{0}"><{1}>{2}</{1}></void>'
+    lines = ""
     for k, row in enumerate(cp.split("\n")[:-1]):
-        names = zip(("type", "x0", "y0", "x1", "y1"), row.split(), strict=True)
-        kinds = ((n, "int" if n == "type" else "double", v) for n, v in names)
-        lines.append(line.format(k, "".join(number.format(n, t, v, t) for n, t, v in kinds)))
-    return (
-        '<java><object class="oripa.DataSet"><void property="lines"><array class="oripa.OriLineProxy">'
-        + "".join(lines)
-        + "</array></void></object></java>"
-    ).encode()
+        each = zip(
+            ("type", "x0", "y0", "x1", "y1"), ("int", *["double"] * 4), row.split(), strict=True
+        )
+        own = "".join(number.format(*one) for one in each if float(one[2]))
+        lines += f'<void index="{k}"><object class="oripa.OriLineProxy">{own}</object></void>'
+    lines = f'<void property="lines"><array class="oripa.OriLineProxy">{lines}</array></void>'
+    title = f'<void property="title"><string>{title}</string></void>'
+    return f'<java><object class="oripa.DataSet">{lines}{title}</object></java>'.encode()
 
 
 def samples(folder: Path) -> Iterator[Sample]:

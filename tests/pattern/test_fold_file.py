@@ -16,7 +16,7 @@ from origami_nlp.pattern import (
     scene_at,
 )
 from origami_nlp.pattern_problem import states_to_fold
-from tests.fold_files import closed_state, disc, folded, in_space, miura, others
+from tests.fold_files import closed_state, disc, folded, in_space, others
 from tests.independent.rotations import fold
 
 
@@ -80,12 +80,6 @@ def test_any_plane_and_noise(seed):
     assert scene.group.name == "D4" and scene.adjusted < 1e-4  # found through the noise, and said
 
 
-def test_a_sheet_with_many_vertices():
-    found, _ = fold_vertices(frame(miura(4, 5)))
-    assert len(found) == 3 * 4 and all(v.degree == 4 and not v.reason for v in found)
-    assert all(v.kawasaki < 1e-12 and v.maekawa == 0 for v in found)
-
-
 def test_flat_and_joined_edges_join_facets():
     data = disc([60, 50, 50, 120, 40, 40], "MFVVJV")
     v = only(data)
@@ -106,11 +100,6 @@ def test_unassigned_files_and_missing_arrays():
     }
     assert only(faces).degree == 4
     assert "edges_vertices is missing" in frame(faces).notes[0]
-
-
-def test_cut_edges_and_borders_are_no_interior_vertices():
-    data = disc([60, 100, 120, 80], "MVCV")
-    assert fold_vertices(frame(data))[0] == ()
 
 
 # ---------------------------------------------------------------- diagnosis

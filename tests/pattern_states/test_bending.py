@@ -20,8 +20,6 @@ def test_quadrilaterals_get_their_short_diagonals():
     assert soft.facets == 2 * sheet.facets and soft.creases == n + sheet.facets
     assert np.array_equal(soft.ends[:n], sheet.ends) and np.array_equal(soft.rest[:n], sheet.rest)
     assert np.allclose(soft.stiffness[n:], 2.0 * soft.lengths[n:]) and not soft.rest[n:].any()
-    long = with_bending(sheet, 2.0, "long")
-    assert (soft.lengths[n:] < long.lengths[n:]).all()
     assert np.allclose(soft.limit_angles[:, :n], sheet.limit_angles)
     assert np.allclose(np.abs(soft.limit_angles[:, n:]), np.pi)
     assert "short diagonals" in soft.notes[-1]
@@ -45,50 +43,6 @@ def test_states_tend_to_those_of_rigid_facets_like_one_over_the_stiffness():
     assert min(energies) > 0 and np.allclose(np.diff(np.log10(energies)), -1, atol=0.1)
 
 
-def cut(sheet, choices, stiffness):
-    """Cut each quadrilateral along its first or second diagonal, by a choice each."""
-    creases = {tuple(e): i for i, e in enumerate(sheet.ends.tolist())}
-    springs = {e: float(sheet.stiffness[i]) for e, i in creases.items()}
-    rest = {e: float(sheet.rest[i]) for e, i in creases.items()}
-    triangles = []
-    for (a, b, c, d), second in zip(sheet.polygons, choices, strict=True):
-        triangles += [(b, c, d), (d, a, b)] if second else [(a, b, c), (c, d, a)]
-        ends = tuple(sorted((b, d) if second else (a, c)))
-        springs[ends] = stiffness * float(
-            np.linalg.norm(np.diff(sheet.corners[list(ends)], axis=0))
-        )
-        rest[ends] = 0.0
-    return make_pattern(sheet.corners, triangles, stiffness=springs, rest=rest)
-
-
-def test_both_diagonals_are_cut_where_they_cross():
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
-    both = with_bending(sheet, 5.0, "both")
-    n = sheet.creases
-    assert both.facets == 4 * sheet.facets and both.creases == n + 4 * sheet.facets
-    assert np.allclose(both.stiffness[n:], 5.0 * both.lengths[n:])
-    assert "halves of both diagonals" in both.notes[-1]
-    # a state of the sheet that bends about one diagonal each is a state of this one, with the same energy
-    for second in (False, True):
-        one = o.find_minima(cut(sheet, [second] * sheet.facets, 5.0), **ASKED)
-        folds = dict(
-            zip(map(tuple, one.pattern.ends.tolist()), one.minima[0].fold_angles, strict=True)
-        )
-        phi = [folds[tuple(e)] for e in sheet.ends.tolist()]
-        for corners in sheet.polygons:
-            whole = folds[tuple(sorted(corners[second::2]))]
-            phi += [whole if k in corners[second::2] else 0.0 for k in corners]
-        assert float(both.energy(np.array(phi))) == pytest.approx(one.minima[0].energy, rel=1e-9)
-
-
-def test_facets_of_more_corners_are_cut_until_four_are_left():
-    ring = np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
-    corners = np.vstack([ring, [[2.0, 0.0]]])
-    sheet = make_pattern(corners, [(0, 1, 2, 3, 4, 5), (0, 5, 6)])
-    soft = with_bending(sheet, 1.0, "both")
-    assert soft.facets == 2 + 4 + 1 and soft.creases == 1 + 2 + 4
-
-
 def test_what_cannot_bend_says_so():
     triangles = make_pattern(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), [(0, 1, 2), (0, 2, 3)])
     with pytest.raises(SceneError, match="three corners"):
@@ -97,8 +51,6 @@ def test_what_cannot_bend_says_so():
     arrow = make_pattern(dart, [(0, 1, 2, 3), (1, 4, 3, 2)])
     with pytest.raises(SceneError, match="not convex"):
         with_bending(arrow, 1.0)
-    with pytest.raises(SceneError, match="short, long or both"):
-        with_bending(o.examples.pattern("miura", 2, 2), 1.0, "other")
 
 
 def squares(rows, columns, springs=None):

@@ -71,6 +71,12 @@ def planted(data, change):
     return made
 
 
+def spoilt(data, test, change):
+    """The one fault of a test where something is another in the folded form."""
+    (one,) = faults(planted(data, lambda _, frame: change(frame)))[test]
+    return one
+
+
 def test_what_is_sound_is_valid(flat, space):
     for data in (flat, space):
         seen = o.check(data)
@@ -99,10 +105,8 @@ def test_a_moved_corner_is_blamed_on_its_edges_not_on_layers(flat, space, by):
 
 
 def test_a_scaled_copy_is_one_fault(space):
-    def scale(whole, frame):
-        frame["vertices_coords"] = (1.1 * np.array(frame["vertices_coords"])).tolist()
-
-    (one,) = faults(planted(space, scale))[STRETCH]
+    x = (1.1 * np.array(space["file_frames"][0]["vertices_coords"])).tolist()
+    one = spoilt(space, STRETCH, lambda frame: frame.update(vertices_coords=x))
     assert one.size == pytest.approx(0.1) and "1.1 times" in one.text
 
 
@@ -121,32 +125,24 @@ def test_a_sheared_face_is_found_by_its_diagonals():
 
 
 def test_a_face_off_its_plane_is_found(space):
-    def lift(whole, frame):
-        frame["vertices_coords"][0][2] += 2e-3
-
-    found = faults(planted(space, lift))
-    assert [one.faces for one in found[PLANES]] == [(0,)]
+    x = copy.deepcopy(space["file_frames"][0]["vertices_coords"])
+    x[0][2] += 2e-3
+    assert spoilt(space, PLANES, lambda frame: frame.update(vertices_coords=x)).faces == (0,)
 
 
 def test_a_stated_fold_angle_that_is_not_that_of_the_coordinates(space):
-    edge = next(e for e, a in enumerate(space["file_frames"][0]["edges_foldAngle"]) if abs(a) > 1)
-
-    def turn(whole, frame):
-        frame["edges_foldAngle"][edge] *= 1.05
-
-    (one,) = faults(planted(space, turn))[ANGLES]
-    was = abs(space["file_frames"][0]["edges_foldAngle"][edge])
-    assert one.edges == (edge,) and math.degrees(one.size) == pytest.approx(0.05 * was, rel=1e-6)
+    angles = space["file_frames"][0]["edges_foldAngle"]
+    edge = next(e for e, a in enumerate(angles) if abs(a) > 1)
+    new = 1.05 * angles[edge]
+    one = spoilt(space, ANGLES, lambda frame: frame["edges_foldAngle"].__setitem__(edge, new))
+    turned = 0.05 * abs(angles[edge])
+    assert one.edges == (edge,) and math.degrees(one.size) == pytest.approx(turned, rel=1e-6)
 
 
-def test_a_mountain_that_is_folded_as_a_valley(space):
-    letters = space["file_frames"][0]["edges_assignment"]
-    edge = letters.index("M")
-
-    def swap(whole, frame):
-        frame["edges_assignment"][edge] = "V"
-
-    (one,) = faults(planted(space, swap))[LETTERS]
+@pytest.mark.parametrize("letter, test", [("V", LETTERS), ("B", "cuts as in the crease pattern")])
+def test_a_mountain_that_is_another(space, letter, test):
+    edge = space["file_frames"][0]["edges_assignment"].index("M")
+    one = spoilt(space, test, lambda frame: frame["edges_assignment"].__setitem__(edge, letter))
     assert one.edges == (edge,)
 
 
@@ -234,12 +230,8 @@ def test_an_order_turned_round_is_found(flat, k):
 
 
 def test_two_orders_that_say_the_opposite(flat):
-    def add(whole, frame):
-        f, g, s = frame["faceOrders"][4]
-        frame["faceOrders"].append([f, g, -s])
-
-    f, g, _ = flat["file_frames"][0]["faceOrders"][4]
-    (one,) = faults(planted(flat, add))[PAPER]
+    f, g, s = flat["file_frames"][0]["faceOrders"][4]
+    one = spoilt(flat, PAPER, lambda frame: frame["faceOrders"].append([f, g, -s]))
     assert set(one.faces) == {f, g}
 
 
@@ -273,14 +265,6 @@ def test_layers_without_any_order():
     data["file_frames"][0]["faceOrders"] = []
     (one,) = faults(data)[LAYERS]
     assert one.faces or "facets" in one.text
-
-
-def test_a_cut_that_the_crease_pattern_has_not(flat):
-    letters = flat["file_frames"][0]["edges_assignment"]
-    edge = letters.index("M")
-    found = faults(planted(flat, lambda _, frame: frame["edges_assignment"].__setitem__(edge, "B")))
-    (one,) = found["cuts as in the crease pattern"]
-    assert one.edges == (edge,)
 
 
 def test_all_faults_are_listed_and_not_the_first_only(space):

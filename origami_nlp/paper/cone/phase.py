@@ -22,7 +22,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_whole
 from origami_nlp.display import Report, Section, Table
-from origami_nlp.io import pick
+from origami_nlp.io import to_plain
 from origami_nlp.numerics import NONZERO, SETTLED
 from origami_nlp.paper.cone.classes import Branches, exact
 from origami_nlp.paper.cone.energy import BranchEnergy
@@ -191,21 +191,19 @@ class PhaseDiagram(Report):
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; maps are [ratio][rest elevation], numbers beyond 2^53 text."""
-        m = self.map
+        m, cone = self.map, self.map.cone
         kinds = {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
+        maps = {name: [[*map(exact, row)] for row in n.tolist()] for name, n in kinds.items()}
         each = "valleys changes direction multiplicity".split()
-        return {
-            "schema": self.SCHEMA,
-            **pick(m.cone, "degree", "rest", "end"),
-            "branches": str(m.cone.branches),
-            **pick(m, "ratios", "rest_elevations=elevations"),
-            **{name: [[*map(exact, row)] for row in n.tolist()] for name, n in kinds.items()},
-            "boundaries": [
-                dict(zip(each, b.branches.described(0), strict=True))
-                | pick(b, "kind", "rest_elevation", "ratio", "elevation")
-                for b in self.boundaries
-            ],
-        }
+        boundaries = [
+            dict(zip(each, b.branches.described(0), strict=True))
+            | {k: getattr(b, k) for k in ("kind", "rest_elevation", "ratio", "elevation")}
+            for b in self.boundaries
+        ]
+        about = {"schema": self.SCHEMA, **{k: getattr(cone, k) for k in ("degree", "rest", "end")}}
+        about |= {"branches": str(cone.branches), "ratios": m.ratios}
+        about |= {"rest_elevations": m.elevations, **maps, "boundaries": boundaries}
+        return to_plain(about)  # type: ignore[no-any-return]
 
     @property
     def numbers(self) -> tuple[int, ...]:
