@@ -33,6 +33,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
     scene file.
     """
     from origami_nlp.display import draw_pattern
+    from origami_nlp.pattern import frame_pattern
     from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
     from origami_nlp.pattern_states import analyze_mobility, find_motion
     from origami_nlp.validity import list_vertices
@@ -53,6 +54,11 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
             raise
         why = f"no sheet of rigid facets: {error}"
     out.say(vertices, *filter(None, (seen, motion)))
+    if seen and origami.snap is not None:
+        drawn = analyze_mobility(frame_pattern(origami.frames("first")[0]), seed=seed)
+        folded = f"{drawn.rank_folded} folded, degrees of freedom {drawn.dof}"
+        folded = "no folded state found" if drawn.folded is None else folded
+        out.say(f"without --snap: rank {drawn.rank_flat} flat, {folded}")
     data = vertices.to_dict() | (seen.to_dict() if seen else {})
     out.write("json", lambda: data | ({"motion": motion.to_dict()} if motion else {}))
     out.write("figure", lambda: motion.draw() if motion else draw_pattern(flat[0]))

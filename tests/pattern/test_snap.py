@@ -49,6 +49,15 @@ def test_a_sheet_that_is_off_folds_as_the_clean_one(noise, seed):
     assert max(v.kawasaki for v in fold_vertices(flat)[0]) < 1e-11
 
 
+def test_motions_are_counted_as_drawn_too(tmp_path):
+    path = tmp_path / "a.fold"
+    path.write_text(json.dumps(noisy(3e-4)[0]))
+    drawn = o.analyze_mobility(o.read_pattern(path))
+    told = run("inspect", path, "--snap", 3e-3).out.splitlines()[-1]
+    counts = [int(word.strip(",")) for word in told.split() if word.strip(",").isdigit()]
+    assert counts == [drawn.rank_flat, drawn.rank_folded, drawn.dof]
+
+
 def test_what_is_off_by_more_stays_where_it_is():
     data, size = noisy(3e-3)
     (frame,) = parse_fold(json.dumps(data))
