@@ -34,9 +34,9 @@ def _against_scan(seed: int, vertices: int) -> None:
     wells = list(Strip(pattern).wells())
     # the scan stops where a vertex first passes a fold limit; a minimum beyond a second one is a state all the same
     assert all(_closest(inside, x) < 1e-9 for x in wells)
-    problem = PatternProblem(pattern)
+    problem = PatternProblem(pattern, False)
     for minimum in proof.minima:
-        verdict = judge(problem, minimum.fold_angles, False).verdict
+        verdict = judge(problem, minimum.fold_angles).verdict
         # beside the flat state closure nearly loses rank: what the kernel leaves open there no list calls proved
         near = np.abs(minimum.fold_angles).max() < 1e-3
         assert verdict == "minimum" or (near and verdict == "undecided"), verdict
@@ -115,11 +115,11 @@ def test_nearly_in_one_line(far):
 def test_a_list_is_held_against_the_proof():
     """What a search lacks is added; what the proof does not have spoils it."""
     pattern = strip(0, 3, 2)
-    problem, proof = PatternProblem(pattern), prove_sheet(pattern)
-    states = [judge(problem, m.fold_angles, False) for m in proof.minima]
+    problem, proof = PatternProblem(pattern, False), prove_sheet(pattern)
+    states = [judge(problem, m.fold_angles) for m in proof.minima]
 
     def held(known):
-        return hold_against(proof, problem, known, False)
+        return hold_against(proof, problem, known)
 
     done, added = held(states)
     assert done.proved and not added
@@ -131,7 +131,7 @@ def test_a_list_is_held_against_the_proof():
     done, _ = held([replace(states[0], verdict="saddle"), *states[1:]])
     assert not done.proved and "is judged: saddle" in done.reason
     twice = replace(proof, points=(*proof.points, proof.points[0]))
-    done, _ = hold_against(twice, problem, states, False)
+    done, _ = hold_against(twice, problem, states)
     assert not done.proved and "not distinguished" in done.reason
 
 
@@ -237,9 +237,9 @@ def test_facets_that_are_not_convex_may_touch(middle, proved):
     pattern = make_pattern([*CORNERS, middle], [(0, 1, 2), (0, 2, 5, 3), *ROUND[2:]])
     pattern = pattern.with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
     problem, proof = PatternProblem(pattern), prove_sheet(pattern)
-    states = [judge(problem, m.fold_angles, True) for m in proof.minima]
+    states = [judge(problem, m.fold_angles) for m in proof.minima]
     assert (why_no_contact(pattern) == "") is proved
-    assert hold_against(proof, problem, states, True, why_no_contact(pattern))[0].proved is proved
+    assert hold_against(proof, problem, states, why_no_contact(pattern))[0].proved is proved
 
 
 def test_creases_of_several_vertices_reach_their_limits_at_once():
@@ -256,7 +256,7 @@ def test_creases_of_several_vertices_reach_their_limits_at_once():
     pattern = o.examples.pattern("metasheet", 2, 4)
     proof = prove_sheet(pattern)
     assert len(proof.minima) == 9 and not proof.undecided
-    problem = PatternProblem(pattern)
-    states = [judge(problem, m.fold_angles, False) for m in proof.minima]
-    held, judged = hold_against(proof, problem, states, False)
+    problem = PatternProblem(pattern, False)
+    states = [judge(problem, m.fold_angles) for m in proof.minima]
+    held, judged = hold_against(proof, problem, states)
     assert held.proved and not judged

@@ -179,11 +179,11 @@ def test_a_row_that_folds_flat_is_proved_as_a_mesh():
 
 def test_what_was_judged_is_listed_where_time_ends():
     pattern = o.examples.pattern("miura", 2, 3)
-    problem, proof = PatternProblem(pattern), prove_sheet(pattern)
-    done, judged = hold_against(proof, problem, [], False)
+    problem, proof = PatternProblem(pattern, False), prove_sheet(pattern)
+    done, judged = hold_against(proof, problem, [])
     assert done.proved and len(judged) == 14
     problem.until = -math.inf
-    done, again = hold_against(proof, problem, judged[:3], False)
+    done, again = hold_against(proof, problem, judged[:3])
     assert not done.proved and "time was over" in done.reason and not again
 
 
