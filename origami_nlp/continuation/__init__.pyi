@@ -18,6 +18,7 @@ from .curve import (
 )
 from .diagram import STEPS as STEPS, BifurcationDiagram as BifurcationDiagram
 from .equilibrium import Equilibrium as Equilibrium, EquilibriumCurve as EquilibriumCurve
+from .event_curve import EventPoint as EventPoint, EventTracer as EventTracer
 from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .line import (
     GeometryLine as GeometryLine,

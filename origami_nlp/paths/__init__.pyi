@@ -3,10 +3,10 @@ from .boundary import (
     BifurcationSet as BifurcationSet,
     CurvePoint as CurvePoint,
     EventCurve as EventCurve,
+    Plane as Plane,
     find_bifurcation_set as find_bifurcation_set,
 )
 from .driver import Driver as Driver, OwnForces as OwnForces
-from .event_curve import Plane as Plane
 from .family import (
     Family as Family,
     family_of as family_of,

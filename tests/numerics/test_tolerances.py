@@ -21,7 +21,7 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel phase_figure"
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        continuation/line.SHARE paths/event_curve.AHEAD paths/event_curve.STEPS barriers/passes.OFF
+        continuation/line.SHARE continuation/event_curve.AHEAD continuation/event_curve.STEPS barriers/passes.OFF
         chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
         cli/timed.SHORTEST
         paper/links.RADII paper/cone/phase.DIFFERENCE paper/critical.DIFFERENCE paper/critical.NEAR
