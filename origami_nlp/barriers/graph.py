@@ -51,7 +51,7 @@ def passes_over(
     why: why there is no lower path between two minima than one of some energy; "" where there may be.
     """
     pairs = itertools.combinations(range(found.minima), 2)
-    passes = tuple(_between(found, i, j, why) for i, j in pairs)
+    passes = tuple(_between(result, found, i, j, why) for i, j in pairs)
     kinds = {p.pair: p for p in passes}
     merges = []
     for merge in found.tree.merges:
@@ -61,17 +61,23 @@ def passes_over(
     return Barriers(result, passes, tuple(merges))
 
 
-def _between(found: PassGraph, i: int, j: int, why: Callable[[int, int, float], str]) -> Pass:
+def _between(
+    result: MinimaResult, found: PassGraph, i: int, j: int, why: Callable[[int, int, float], str]
+) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
     merge, problem = found.tree.barrier(i, j), found.problem
     reason = why(i, j, math.inf if merge is None else merge.height)
-    known, numbers = Known.EXACT if reason else Known.BOUND, (i + 1, j + 1)
+    sure: Any = {"known": Known.EXACT if reason else Known.BOUND, "least": None}
+
+    def made(energy: float, kind: PassKind, path: np.ndarray, said: str, **more: Any) -> Pass:
+        rises, back = (energy - result.minima[k].energy for k in (i, j))
+        where, energies = problem.expand(path), problem.energies(path)
+        known = {**sure, "path": where, "path_energy": energies, "why": said, **more}
+        return Pass(i + 1, j + 1, rises, back, energy, pass_kind=kind, **known)
+
     if merge is None:
-        none = np.zeros((0, problem.pattern.creases))
-        reason = "no curve leads from one to the other" if reason else NONE
-        return Pass(
-            *numbers, math.inf, "none", (), (), math.nan, none, none[:, 0], reason, known
-        )  # fmt: skip
+        said = "no curve leads from one to the other" if reason else NONE
+        return made(math.inf, "none", found.states[:0], said)
     node = found.top(merge.edge)
     top = found.states[node]
     try:
@@ -80,12 +86,10 @@ def _between(found: PassGraph, i: int, j: int, why: Callable[[int, int, float], 
     except OutOfTime:
         at, kind, residual, closed = State(problem, top), "bound", math.nan, ()
     energy = float(merge.height * problem.scale) if kind == "bound" else at.energy
-    states = found.states[found.tree.path(i, j)]
-    path = problem.expand(states), problem.energies(states)
-    angles = tuple(problem.expand(at.x).tolist())
-    return Pass(
-        *numbers, energy, kind, angles, closed, residual, *path, reason or SHOWN, known, bool(reason)
-    )  # fmt: skip
+    where: Any = {"fold_angles": tuple(problem.expand(at.x).tolist()), "contacts": closed}
+    path = found.states[found.tree.path(i, j)]
+    how: Any = {"residual": residual, "every": bool(reason), **where}
+    return made(energy, kind, path, reason or SHOWN, **how)
 
 
 def _made_exact(

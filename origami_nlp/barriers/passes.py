@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from origami_nlp.display import shown
 from origami_nlp.escapes import Terrain, down_to
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import State, judge_branch, newton, project
@@ -37,6 +38,9 @@ class Known(Enum):
     BOUND = "bound"
     """It is at most that."""
 
+    def __str__(self) -> str:
+        return str(self.value)
+
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "bound", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -51,12 +55,20 @@ class Pass(ShortRepr):
     ----------
     from_state, to_state
         Numbers (1-based) among the minima.
+    rises, back
+        What the pass is above either minimum.
     energy
         Of the pass [the scene's units]; inf where no admissible path joins the two.
+    least
+        Of a vertex: energy that every path has at least, where the flat state parts the two; None elsewhere.
     pass_kind
         ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the feasible set meet), ``flat state``,
         ``singular`` (another state where two pieces meet in one point, or a thin set ends), ``bound`` (no pass: the
         energy is that of an explicit path, an upper bound), or ``none``.
+    known
+        ``exact`` or ``bound``: whether the barrier is its height, or at most that.
+    why
+        What bounds the barrier from below.
     fold_angles
         Of the pass, all N [rad]; empty for ``none``.
     contacts
@@ -67,29 +79,25 @@ class Pass(ShortRepr):
         Fold angles [M, N] from the first minimum over the pass to the second.
     path_energy
         [M].
-    why
-        What bounds the barrier from below.
-    known
-        ``exact`` or ``bound``: whether the barrier is its height, or at most that.
     every
         Whether all paths up to that height are known, not only those between the two.
-    least
-        Of a vertex: energy that every path has at least, where the flat state parts the two; nan elsewhere.
     """
 
-    from_state: int
-    to_state: int
-    energy: Unbounded
-    pass_kind: PassKind
-    fold_angles: tuple[float, ...]
-    contacts: tuple[str, ...]
-    residual: float
+    from_state: int = field(metadata=shown("from", spec="#{}".format, side="r"))
+    to_state: int = field(metadata=shown("to", spec="#{}".format, side="r"))
+    rises: Unbounded = field(metadata=shown("barrier", "J", ".6g"))
+    back: Unbounded = field(metadata=shown("and back", "J", ".6g"))
+    energy: Unbounded = field(metadata=shown("energy at the pass", "J", ".9g"))
+    least: float | None = field(metadata=shown("at least", "J", ".9g"))
+    pass_kind: PassKind = field(metadata=shown("kind"))
+    known: Known = field(metadata=shown("known"))
+    why: str
     path: np.ndarray = field(repr=False)
     path_energy: np.ndarray = field(repr=False)
-    why: str
-    known: Known = Known.BOUND
+    fold_angles: tuple[float, ...] = ()
+    contacts: tuple[str, ...] = ()
+    residual: float = math.nan
     every: bool = False
-    least: float = math.nan
 
     @property
     def pair(self) -> tuple[int, int]:

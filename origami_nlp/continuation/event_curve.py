@@ -58,8 +58,8 @@ class EventPoint:
 class EventTracer:
     """One kind of event in a plane of two parameters, as a curve to trace (`tracer.CurveProblem`).
 
-    lines: gives the line over a parameter (0 or 1) at a share of the range of the other, where its range begins, and how
-    long it is.  hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a
+    lines: gives the line over a parameter (0 or 1) at a share of the range of the other, where its range begins, and
+    its length.  hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a
     fold.  states: variables of a state.  axis: the parameter over which events are looked for.
     """
 
