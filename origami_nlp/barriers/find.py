@@ -38,7 +38,6 @@ from origami_nlp.escapes import (
     level_of,
     number_of,
     rounded_up,
-    softest_modes,
 )
 from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, groups
@@ -163,8 +162,7 @@ class _Paths:
         for k, m in enumerate(result.minima if posed.size <= MOST_CREASES else ()):
             if m.local_dimension and (k in left or on_curves is None):
                 self.loose.append(k)
-        leaving = {k: softest_modes(posed, self.minima[k]) for k in self.loose}
-        self.terrain = Terrain(posed, self.minima, leaving=leaving)
+        self.terrain = Terrain(posed, self.minima)
         for part, find in (
             ("ways between minima", self._between),
             ("escape paths", self._escapes),

@@ -16,7 +16,6 @@ from .find import (
     find_escapes as find_escapes,
     images_of as images_of,
     is_first as is_first,
-    softest_modes as softest_modes,
 )
 from .partings import rays as rays
 from .paths import (

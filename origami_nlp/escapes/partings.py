@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.escapes.terrain import Terrain
-from origami_nlp.numerics import coarse
+from origami_nlp.numerics import OUTSIDE, SETTLED, coarse
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact
 from origami_nlp.search import at_limits
 
@@ -62,7 +63,7 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
     of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
     slots, free = list[tuple[Contact, ...]](), list[bool]()
     for k in which:
-        ways = [*terrain.leaving.get(k, ()), *unit, *-unit]
+        ways = [*softest_modes(terrain.problem, terrain.minima[k]), *unit, *-unit]
         aims = [flat, *terrain.others(k)]
         # contacts of the state are held, and opened, in turn
         rows = terrain.contacts(terrain.minima[k])
@@ -78,6 +79,18 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
     given = np.array(along), np.array(goals), slots, np.array(free)
     out = list(zip(of, terrain.walk(terrain.minima[of], *given), strict=True))
     return out + over_flat(out)
+
+
+def softest_modes(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:
+    """Return the softest motions of a state that closure allows, fully folded creases held, where they are single."""
+    at_limit = np.flatnonzero(problem.fold_limits.room(x) <= OUTSIDE)
+    z = problem.kernel(x, at_limit)
+    lam, _, _ = problem.multipliers(x, at_limit)
+    values, vectors = np.linalg.eigh(z.T @ (problem.hessian(x, lam) @ z))
+    if not len(values) or (len(values) > 1 and values[1] - values[0] <= SETTLED):
+        return []
+    mode = coarse(z @ vectors[:, 0])
+    return [mode, -mode]
 
 
 def over_flat(paths: Iterable[tuple[int, np.ndarray]]) -> list[tuple[int, np.ndarray]]:

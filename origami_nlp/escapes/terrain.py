@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -82,14 +82,12 @@ class Terrain:
         The states, by number, [M, n].
     aside
         Direction [n] that says to which side saddles are left; None: one that labels do not change.
-    leaving
-        Directions out of states, by number.
     most
         Counted work of descents (evaluations of closure) after which none is made.
 
     Attributes
     ----------
-    problem, minima, leaving
+    problem, minima
         As given.
     floor
         Energies over a state that are not distinguished from nothing.
@@ -110,7 +108,6 @@ class Terrain:
         problem: PatternProblem,
         minima: np.ndarray,
         aside: np.ndarray | None = None,
-        leaving: Mapping[int, Sequence[np.ndarray]] | None = None,
         most: float = math.inf,
     ) -> None:
         scale = energy_scale(problem.pattern.stiffness)
@@ -120,7 +117,6 @@ class Terrain:
         self._go, self._most = Follower(problem), most
         self._aside = side_of_saddles(problem) if aside is None else aside
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
-        self.leaving = leaving or {}
         self.pops = PopSigns(problem.pattern)
         self._landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
@@ -422,11 +418,6 @@ class Terrain:
         p = self.problem
         return np.asarray(p.scale * p.parameters.torque(x) / p.root)
 
-    def slope(self, x: np.ndarray) -> np.ndarray:
-        """Norm of that, [...]."""
-        p = self.problem  # squares of torques in N m may overflow
-        return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
-
     def distance(self, a: np.ndarray, b: np.ndarray) -> Any:
         """Distances of states [..., n] from others, in the same metric, [...]."""
         return np.linalg.norm(self.problem.root * (a - b), axis=-1)
@@ -446,8 +437,9 @@ class Terrain:
         if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
             return apart
         # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
-        slopes = self.slope(ends) + self.slope(at)
-        return apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL)
+        p = self.problem  # squares of torques in N m may overflow
+        slopes = [np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1) for x in (ends, at)]
+        return apart & (self.rise(k, ends) <= p.scale * sum(slopes) * NEAR_SINGULAR_TOL)
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""
