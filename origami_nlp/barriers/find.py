@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_until, check_whole
-from origami_nlp.barriers.graph import bounded, flat_bound, passes_over, traced_passes
-from origami_nlp.barriers.passes import Known, Pass, both_sides, critical_near
+from origami_nlp.barriers.graph import bounded, flat_bound, is_lowest, passes_over
+from origami_nlp.barriers.passes import both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.escapes import (
@@ -43,7 +43,7 @@ from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, groups
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
-from origami_nlp.pattern_states import PassGraph, PathDown, find_states
+from origami_nlp.pattern_states import PassGraph, PathDown, find_states, graph_of_curves
 
 SECONDS = 60.0
 """For ways of each kind, of wall time."""
@@ -150,18 +150,21 @@ class _Paths:
 
     def barriers(self) -> Barriers:
         """Find them."""
-        result, posed, on_curves = self.result, self.problem, None
-        if not result.minima:
+        result, posed, many = self.result, self.problem, len(self.minima)
+        if not many:
             return Barriers(result, (), (), (*self.late,))
-        if (
-            known := self._in_time("passes along traced curves", partial(traced_passes, result))
-        ) is not None:
-            on_curves, self.traced = known
-        open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
-        left = {k - 1 for p in open_ for k in p.pair}
-        for k, m in enumerate(result.minima if posed.size <= MOST_CREASES else ()):
-            if m.local_dimension and (k in left or on_curves is None):
-                self.loose.append(k)
+        energies = np.array([m.energy for m in result.minima])
+        level = level_of(energies, energy_scale(posed.pattern.stiffness))
+        curves = partial(graph_of_curves, posed, result.curves, self.minima)
+        self.traced = self._in_time("passes along traced curves", curves) or self.traced
+        sure = partial(is_lowest, result, self.traced, level / posed.scale)
+        open_ = set[int]() if result.curves else {*range(many)}
+        for i, j in itertools.combinations(range(many), 2):
+            merge = self.traced.tree.barrier(i, j)
+            if merge is None or not sure(i, j, merge.height):
+                open_ |= {i, j}
+        moves = [k for k in sorted(open_) if result.minima[k].local_dimension]
+        self.loose = moves if posed.size <= MOST_CREASES else []
         self.terrain = Terrain(posed, self.minima)
         for part, find in (
             ("ways between minima", self._between),
@@ -169,17 +172,9 @@ class _Paths:
             ("saddles beside paths", self._over_saddles),
         ):
             self._in_time(part, lambda find=find: self.ways.extend(find()))  # type: ignore[misc]
-        whole = passes_over(result, self.traced.with_ways(self.ways))
-        energies = np.array([m.energy for m in result.minima])
-        level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
-        curved = on_curves.passes if on_curves else ()
-        before = {p.pair: p for p in curved}
-        passes, (least, reason) = list[Pass](), flat_bound(posed)
-        for p in whole.passes:
-            was = before.get(p.pair, p)
-            p = was if was.every or was.energy <= p.energy + level else p
-            passes.append(bounded(p, result, (least, reason), level))
-        found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
+        found, flat = passes_over(result, self.traced.with_ways(self.ways), sure), flat_bound(posed)
+        passes = tuple(bounded(p, result, flat, level) for p in found.passes)
+        found = replace(found, passes=passes, left_out=(*self.late,), stopped=self.stopped)
         return replace(found, result=self._with_escapes(found.matrix(), energies, level))
 
     def _with_escapes(

@@ -16,7 +16,6 @@ import numpy as np
 from origami_nlp.barriers.passes import Known, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OutOfTime
-from origami_nlp.escapes import energy_scale, level_of
 from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import (
@@ -27,7 +26,7 @@ from origami_nlp.numerics import (
     SETTLED,
 )
 from origami_nlp.pattern_problem import PatternProblem, angle_sums
-from origami_nlp.pattern_states import PassGraph, graph_of_curves
+from origami_nlp.pattern_states import PassGraph
 
 SHOWN = (
     "the lowest path that is known, on traced curves, by descents, straight, or over a saddle: an upper bound; "
@@ -43,53 +42,44 @@ STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
 RIGID = "no path: one of the two is isolated, as its certificate says"
 
 
-def passes_over(
-    result: MinimaResult, found: PassGraph, why: Callable[[int, int, float], str] = lambda *_: ""
-) -> Barriers:
-    """Return the passes over a graph of states.
+Sure = Callable[[int, int, float], bool]
 
-    why: why there is no lower path between two minima than one of some energy; "" where there may be.
-    """
+
+def passes_over(result: MinimaResult, found: PassGraph, sure: Sure) -> Barriers:
+    """Return the passes over a graph of states; sure: whether no path between two minima is lower than some height."""
     pairs = itertools.combinations(range(found.minima), 2)
-    passes = tuple(_between(result, found, i, j, why) for i, j in pairs)
-    kinds = {p.pair: p for p in passes}
+    passes = {(i + 1, j + 1): _between(result, found, sure, i, j) for i, j in pairs}
     merges = []
     for merge in found.tree.merges:
         first, second = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
-        one = kinds[min(first[0], second[0]), max(first[0], second[0])]
+        one = passes[min(first[0], second[0]), max(first[0], second[0])]
         merges.append(Join(one.energy, one.pass_kind, first, second))
-    return Barriers(result, passes, tuple(merges))
+    return Barriers(result, tuple(passes.values()), tuple(merges))
 
 
-def _between(
-    result: MinimaResult, found: PassGraph, i: int, j: int, why: Callable[[int, int, float], str]
-) -> Pass:
+def _between(result: MinimaResult, found: PassGraph, sure: Sure, i: int, j: int) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
-    merge, problem = found.tree.barrier(i, j), found.problem
-    reason = why(i, j, math.inf if merge is None else merge.height)
-    sure: Any = {"known": Known.EXACT if reason else Known.BOUND, "least": None}
-
-    def made(energy: float, kind: PassKind, path: np.ndarray, said: str, **more: Any) -> Pass:
-        rises, back = (energy - result.minima[k].energy for k in (i, j))
-        where, energies = problem.expand(path), problem.energies(path)
-        known = {**sure, "path": where, "path_energy": energies, "why": said, **more}
-        return Pass(i + 1, j + 1, rises, back, energy, pass_kind=kind, **known)
-
-    if merge is None:
-        said = "no curve leads from one to the other" if reason else NONE
-        return made(math.inf, "none", found.states[:0], said)
-    node = found.top(merge.edge)
-    top = found.states[node]
-    try:
-        at, kind, residual = _made_exact(problem, top, "bound" if node in found.inner else "corner")
-        closed = tuple(problem.name(c) for c in at.pieces[0])
-    except OutOfTime:
-        at, kind, residual, closed = State(problem, top), "bound", math.nan, ()
-    energy = float(merge.height * problem.scale) if kind == "bound" else at.energy
-    where: Any = {"fold_angles": tuple(problem.expand(at.x).tolist()), "contacts": closed}
-    path = found.states[found.tree.path(i, j)]
-    how: Any = {"residual": residual, "every": bool(reason), **where}
-    return made(energy, kind, path, reason or SHOWN, **how)
+    merge, problem, states = found.tree.barrier(i, j), found.problem, found.states[:0]
+    energy, kind, more = math.inf, "none", dict[str, Any]()
+    every = merge is not None and sure(i, j, merge.height)
+    if merge is not None:
+        node, states = found.top(merge.edge), found.states[found.tree.path(i, j)]
+        top = found.states[node]
+        try:
+            at, kind, residual = _made_exact(
+                problem, top, "bound" if node in found.inner else "corner"
+            )
+            closed = tuple(problem.name(c) for c in at.pieces[0])
+        except OutOfTime:
+            at, kind, residual, closed = State(problem, top), "bound", math.nan, ()
+        energy = float(merge.height * problem.scale) if kind == "bound" else at.energy
+        angles = tuple(problem.expand(at.x).tolist())
+        more = {"fold_angles": angles, "contacts": closed, "residual": residual, "every": every}
+    return Pass(
+        i + 1, j + 1, *(energy - result.minima[k].energy for k in (i, j)), energy, None,
+        kind, Known.EXACT if every else Known.BOUND, FOLLOWED if every else SHOWN if more else NONE,
+        problem.expand(states), problem.energies(states), **more,
+    )  # type: ignore[arg-type] # fmt: skip
 
 
 def _made_exact(
@@ -105,25 +95,15 @@ def _made_exact(
     return at, "flat state" if np.abs(top).max() <= SETTLED else "singular", math.nan
 
 
-def traced_passes(result: MinimaResult) -> tuple[Barriers, PassGraph] | None:
-    """Return the barriers on traced curves, and the graph of these; None where none are known."""
-    problem = result.model
-    if not (result.curves and result.minima):
-        return None
-    states = np.array([problem.reduce(m.phi) for m in result.minima])
-    traced = graph_of_curves(problem, result.curves, states)
-    level = level_of(problem.energies(states), energy_scale(problem.pattern.stiffness))
-    level /= problem.scale
-
-    def why(i: int, j: int, height: float) -> str:
-        if result.minima[i].dof > 1:
-            return ""
-        sure = traced.sure.tree.barrier(i, j)
-        known = sure is not None and sure.height <= height + level
-        # over states at which other curves may leave, no more is known than that energy
-        return FOLLOWED if known and traced.least(i, [j], level) >= height - level else ""
-
-    return passes_over(result, traced, why), traced
+def is_lowest(
+    result: MinimaResult, traced: PassGraph, level: float, i: int, j: int, height: float
+) -> bool:
+    """Whether curves show that no path from minimum i to j is lower than one of a height, but for a level."""
+    sure = traced.sure.tree.barrier(i, j)
+    if result.minima[i].dof > 1 or sure is None or sure.height > height + level:
+        return False
+    # over states at which other curves may leave, no more is known than that energy
+    return bool(traced.least(i, [j], level) >= height - level)
 
 
 def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
