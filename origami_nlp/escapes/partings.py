@@ -25,37 +25,6 @@ CERTAIN = 1e-3
 """The highest state of a path is located to this share of its height: printed are two digits."""
 
 
-def paths_over_flat(
-    terrain: Terrain, which: Sequence[int]
-) -> dict[int, tuple[float, np.ndarray, int]]:
-    """Paths over the flat state, where all states of no more energy are on its other side.
-
-    Where facets of a flat vertex of all creases must not cross no admissible path leads round it
-    (docs/validation/landscapes.md).
-    """
-    p, flat = terrain.problem, np.zeros(terrain.problem.size)
-    every = terrain.pops.around and len(set(terrain.pops.around[0])) == p.pattern.creases
-    if not (every and p.contact and p.pattern.lies_flat) or p.refuses(flat):
-        return {}
-    energies = p.energies(terrain.minima)
-    side = np.sign(terrain.pops.sums(np.array([p.expand(x) for x in terrain.minima]))[:, 0])
-    aims = dict[int, int]()
-    for k in which:
-        others = np.arange(len(side)) != k
-        lower = others & (energies <= energies[k] + terrain.noise[k])
-        aim = np.flatnonzero(lower if lower.any() else others)
-        if len(aim) and (side[k] * side[aim] < 0).all():
-            aims[k] = int(aim[0])
-    ends = sorted({*aims, *aims.values()})
-    paths = terrain.walk(terrain.minima[ends], None, np.tile(flat, (len(ends), 1)))
-    walked = dict(zip(ends, paths, strict=True))
-    return {
-        k: (-float(terrain.over(flat, terrain.minima[k])), np.r_[walked[k], walked[to][-2::-1]], to)
-        for k, to in aims.items()
-        if not (walked[k][-1].any() or walked[to][-1].any())
-    }
-
-
 def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
     """Go along directions, turn variables, go to the flat state and on, and to other states."""
     flat, n = np.zeros(terrain.problem.size), terrain.problem.size

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.escapes.escape import EscapePath
-from origami_nlp.escapes.partings import CERTAIN, Parting, partings_of, paths_over_flat
+from origami_nlp.escapes.partings import CERTAIN, Parting, partings_of
 from origami_nlp.escapes.terrain import Terrain
 from origami_nlp.numerics import NONZERO, SETTLED, coarse
 
@@ -33,12 +33,7 @@ def escape_paths(terrain: Terrain, which: Sequence[int]) -> dict[int, EscapePath
         A way by number, where one was found.
     """
     found = dict[int, EscapePath]()
-    for k, (least, states, to) in paths_over_flat(terrain, which).items():
-        over = highest(terrain, k, states)
-        if over is not None and over[0] <= max(least * (1 + CERTAIN), terrain.floor):
-            found[k] = EscapePath(over[0], over[1], to, over[2])
-    left = [k for k in which if k not in found]
-    for k, parts in partings_of(terrain, left):
+    for k, parts in partings_of(terrain, which):
         if (way := _lowest_way(terrain, parts)) is not None:
             found[k] = way
     return found
@@ -90,7 +85,7 @@ def highest(
         if not len(cut):
             return float(most.max(initial=top)), x[int(np.argmax(u))], x
         cuts += len(cut)
-        halves = terrain.middles(x[cut], x[cut + 1])
+        halves = terrain.between(x[cut], x[cut + 1], 0.5)
         if halves is None:
             return None
         parts = np.array([terrain.distance(x[cut + e], halves) for e in (0, 1)])

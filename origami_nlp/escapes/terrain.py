@@ -184,21 +184,12 @@ class Terrain:
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
-        """States between two; what both hold stays so."""
-        many = len(shares)
-        x = self._between(np.tile(a, (many, 1)), np.tile(b, (many, 1)), shares[:, None])
-        # one order all along the step
-        return None if x is None or self._loses_order(a, b, x[many // 2]) else x
+    def between(self, a: np.ndarray, b: np.ndarray, shares: Any) -> np.ndarray | None:
+        """States at shares [S] of the way from a to b, or from each of a [S, n] to each of b; None where one lacks.
 
-    def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
-        """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
-        x = self._between(a, b, np.full((len(a), 1), 0.5))
-        if x is None or any(map(self._loses_order, a, b, x)):
-            return None
-        return x
-
-    def _between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        What both hold stays so.
+        """
+        a, b, shares = np.broadcast_arrays(a, b, np.reshape(shares, (-1, 1)))
         want, still = a + shares * (b - a), (a == b) & ((a == 0) | self._at_limit(a))
         x, good = self._closed(want, still)
         if not good.all():  # with gaps held that both states hold
@@ -216,7 +207,7 @@ class Terrain:
         if (np.abs(x - want).max(axis=1) > np.abs(b - a).max(axis=1) + CLOSURE_TOL).any():
             return None
         for y, one, other in zip(x, a, b, strict=True):
-            if self._jumps(one, y) or self._jumps(y, other):
+            if self._jumps(one, y) or self._jumps(y, other) or self._loses_order(one, other, y):
                 return None
         return x
 
@@ -398,7 +389,7 @@ class Terrain:
             tops = 1 + np.flatnonzero((rises[1:-1] >= rises[:-2]) & (rises[1:-1] >= rises[2:]))
             after = np.unique(np.concatenate([tops, tops + 1]))
             if len(after):
-                middles = self.middles(path[after - 1], path[after])
+                middles = self.between(path[after - 1], path[after], 0.5)
                 if middles is None:
                     return None
                 path = np.insert(path, after, middles, axis=0)
