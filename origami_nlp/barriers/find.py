@@ -21,7 +21,7 @@ from origami_nlp.arguments import check_callback, check_until, check_whole
 from origami_nlp.barriers.graph import bounded, flat_bound, is_lowest, passes_over
 from origami_nlp.barriers.passes import both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
+from origami_nlp.errors import OutOfTime, unless_stopped
 from origami_nlp.escapes import (
     ALONE,
     MOST_CREASES,
@@ -42,7 +42,6 @@ from origami_nlp.escapes import (
 from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, groups
 from origami_nlp.pattern import Scene, Stated, as_origami
-from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import PassGraph, PathDown, find_states, graph_of_curves
 
 SECONDS = 60.0
@@ -86,7 +85,7 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or no degree of freedom, or an argument is not what it must be.
+        If a scene has dead loads, or an argument is not what it must be.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
@@ -105,11 +104,6 @@ def find_barriers(
     check_whole("seed", seed, 0)
     if isinstance(stated, Scene):
         stated.check_no_forces("barriers")
-        if (dof := pose(stated).dof) < 1:
-            raise OptionError(
-                f"[model] symmetry = {stated.symmetry!r} leaves {dof} degrees of freedom; barriers need one: "
-                "state another symmetry"
-            )
         stated = stated.of_one_winding
     if result is None:
         # half of a time limit is for paths
@@ -300,7 +294,7 @@ class _Paths:
                 return
             tried.add(top.tobytes())
             # within 0.3 rad of the highest state of a way
-            for one in critical_near(terrain.problem, top[None], 0.3):
+            for one in critical_near(terrain.problem, top, 0.3):
                 if not any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in known):
                     known.append(one.x)
                     for states, to in both_sides(terrain, one):

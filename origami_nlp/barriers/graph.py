@@ -86,7 +86,7 @@ def _made_exact(
     problem: Any, top: np.ndarray, otherwise: PassKind
 ) -> tuple[State, PassKind, float]:
     """Return the state of a pass near the top of a path [n], its kind (`otherwise`: no saddle) and its residual."""
-    exact = critical_near(problem, top[None], NEAR_SINGULAR_TOL)
+    exact = critical_near(problem, top, NEAR_SINGULAR_TOL)
     if exact:
         return State(problem, exact[0].x), exact[0].kind, exact[0].residual  # type: ignore[return-value]
     at = State(problem, top)

@@ -127,7 +127,7 @@ class Critical:
     kind
         See `PassKind`.
     direction
-        Unit vector of negative curvature [n], or None.
+        Of negative curvature [n], or None.
     """
 
     x: np.ndarray
@@ -138,28 +138,18 @@ class Critical:
     direction: np.ndarray | None = field(repr=False, default=None)
 
 
-def critical_near(model: Problem, starts: np.ndarray, reach: float) -> list[Critical]:
-    """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
-    found: list[Critical] = []
-    tried: set[tuple[int, tuple[Contact, ...]]] = set()
-    for k, x in enumerate(starts):
-        sets: list[tuple[Contact, ...]] = [()]
-        for rows in State(model, x, reach).pieces:
-            sets += [(row,) for row in rows]
-            sets += list(itertools.combinations(rows, 2))
-        for rows in dict.fromkeys(sets):
-            if len(rows) > model.dof or (k, rows) in tried:
-                continue
-            tried.add((k, rows))
-            polished, _ = newton(model, x, rows)
-            if polished is None or not polished.converged or np.abs(polished.x - x).max() > reach:
-                continue
-            if any(np.abs(polished.x - c.x).max() <= DUPLICATE_TOL for c in found):
-                continue
-            state = State(model, polished.x)
-            what = critical_at(state)
-            if what is not None and what.index == 1 and not state.refused:
-                found.append(what)
+def critical_near(model: Problem, start: np.ndarray, reach: float) -> list[Critical]:
+    """Return the KKT points of index 1 that Newton finds from a state [n] within `reach` [rad] of it."""
+    found, sets = list[Critical](), [tuple[Contact, ...]()]
+    for rows in State(model, start, reach).pieces:
+        sets += [*((row,) for row in rows), *itertools.combinations(rows, 2)]
+    for rows in dict.fromkeys(sets):
+        polished = newton(model, start, rows)[0] if len(rows) <= model.dof else None
+        if polished is None or not polished.converged or np.abs(polished.x - start).max() > reach:
+            continue
+        if not any(np.abs(polished.x - c.x).max() <= DUPLICATE_TOL for c in found):
+            what = critical_at(state := State(model, polished.x))
+            found += [what] if what is not None and what.index == 1 and not state.refused else []
     return found
 
 
@@ -186,8 +176,6 @@ def critical_at(state: State) -> Critical | None:
         kind = "contact saddle" if judged[0].rows else "saddle"
     if direction is None and index:
         direction = state.on(judged[0].rows).softest
-    if direction is not None:
-        direction = direction / np.linalg.norm(direction)
     return Critical(x, judged[0].rows, index, residual, kind, direction)
 
 
@@ -200,10 +188,11 @@ def both_sides(terrain: Terrain, critical: Critical) -> list[tuple[np.ndarray, i
     if critical.direction is None:
         return []
     held = critical.rows if critical.kind == "contact saddle" else ()
+    aside = critical.direction / np.linalg.norm(critical.direction)
     for sign in (1.0, -1.0):
         # far enough off the pass that the energy falls by more than rounding, near enough not to jump to another valley
         for off in OFF:
-            y, residual = project(problem, critical.x + sign * off * critical.direction, held)
+            y, residual = project(problem, critical.x + sign * off * aside, held)
             y = problem.fold_limits.clip(y)
             lower = problem.energy_change(critical.x, y) < 0
             if residual <= CLOSURE_TOL and lower and not problem.refuses(y):

@@ -120,7 +120,6 @@ class Terrain:
         self.pops = PopSigns(problem.pattern)
         self._landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
-        self._orders = dict[bytes, bool]()
 
     @property
     def usable(self) -> bool:
@@ -217,15 +216,8 @@ class Terrain:
 
     def _loses_order(self, a: np.ndarray, b: np.ndarray, y: np.ndarray) -> bool:
         """Whether facets that lie on each other all along a step have no order at a state of it."""
-        p = self.problem
-        if not (p.contact and ((a == b) & self._at_limit(a)).any()):
-            return False
-        kind = None if p.crossed(y) else self._go.level.kind(y)
-        if kind is None:
-            return bool(p.refuses(y))
-        if kind not in self._orders:
-            self._orders[kind] = bool(p.refuses(y))
-        return self._orders[kind]
+        held = self.problem.contact and ((a == b) & self._at_limit(a)).any()
+        return bool(held and self.problem.refuses(y))
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents end."""
