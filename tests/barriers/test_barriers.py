@@ -10,7 +10,6 @@ from hypothesis import given, settings, strategies as st
 from origami_nlp import find_minima
 from origami_nlp.barriers import Known, find_barriers
 from origami_nlp.barriers.graph import side_of_flat
-from origami_nlp.kkt import State, project
 from origami_nlp.numerics import merge_tree
 from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Scene, Vertex, examples
@@ -50,11 +49,6 @@ def contact_barriers():
         "barriers-contact",
         lambda: find_barriers(scene, find_minima(scene, max_starts=24, escape=False)),
     )
-
-
-def test_apart_components_have_no_barrier():
-    tree = merge_tree(np.zeros(4), np.array([[0, 2], [1, 3]]), np.ones(2), 2)
-    assert tree.barrier(0, 1) is None and not tree.merges
 
 
 @settings(max_examples=60)
@@ -145,13 +139,3 @@ def test_merges_are_the_saddles_among_the_critical_points(which, request):
     assert points.morse_sum == 1  # doubts, if any, are about points that contribute nothing
     saddles = [p.energy for p in points.points if p.contribution < 0]
     assert sorted(saddles) == pytest.approx(sorted(m.energy for m in found.merges), rel=1e-12)
-
-
-def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
-    """States near a pass are looked at with contacts up to the mesh spacing: only layers that touch have an order."""
-    model = pose(examples.degree6("5*pi/12", ratio=100))
-    rng = np.random.default_rng(0)
-    x, residual = project(model, rng.uniform(-np.pi, np.pi, (400, model.size)))
-    x = x[(residual <= 1e-12) & (np.abs(x) <= np.pi).all(axis=1)]
-    assert len(x) > 20
-    assert all(State(model, state, 0.6).pieces for state in x)

@@ -8,9 +8,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from origami_nlp.pattern_problem import PopSigns
 from tests.independent.links import closed, corners, crosses
-from tests.patterns import wheel
 
 
 def link(sectors, phi) -> np.ndarray:
@@ -77,15 +75,3 @@ def test_with_less_paper_a_vertex_never_pops():
     for k in range(60):
         sectors, phi = _embedded(rng, 4 + k % 4, paper=5.5)
         assert abs(phi.sum()) >= math.sqrt(4 * math.pi**2 - sectors.sum() ** 2) - 1e-9
-
-
-def test_a_path_through_crossing_states_raises_an_alarm():
-    """From one side of a vertex to the other past a state that is not flat; through the flat state there is none."""
-    pattern = wheel(np.full(6, math.pi / 3))
-    signs = PopSigns(pattern)
-    up = np.array([1.0, -0.5, 1.0, -0.5, 1.0, -0.5])
-    through = np.linspace(-1, 1, 12)[:, None] * up
-    assert not signs.crossed(through)
-    aside = through + np.array([0.5, -0.5, 0, 0, 0, 0])
-    assert [vertex for vertex, _ in signs.crossed(aside)] == [signs.vertices[0]]
-    assert not signs.alarms(through)

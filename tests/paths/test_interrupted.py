@@ -5,7 +5,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.continuation import BifurcationDiagram
 from origami_nlp.errors import Interrupted
-from origami_nlp.paths import boundary, followed
+from origami_nlp.paths import followed
 
 SCENE = o.examples.degree6("pi/3", ratio=0.3)
 
@@ -36,22 +36,6 @@ def test_follow_keeps_its_branches(after):
     found = stop.value.result
     assert found.interrupted and 0 < len(found.branches) <= len(whole.branches)
     assert "interrupted" in str(found) and "time limit" not in str(found)
-
-
-def test_boundaries_keep_their_curves(monkeypatch):
-    lines, follow = [], boundary.follow_family
-
-    def second(*given, **options):
-        lines.append(given)
-        if len(lines) > 1:
-            raise KeyboardInterrupt
-        return follow(*given, **options)
-
-    monkeypatch.setattr(boundary, "follow_family", second)
-    with pytest.raises(Interrupted) as stop:
-        o.find_bifurcation_set(SCENE, "ratio=0.3:0.4", "alpha=59deg:60deg", lines=2, across=0)
-    found = stop.value.result
-    assert found.interrupted and len(found.lines) == 1 and len(found.curves) == 1
 
 
 def test_a_load_path_keeps_its_legs(after):
