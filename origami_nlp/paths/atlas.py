@@ -51,7 +51,7 @@ class Atlas(Path):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1)
     >>> [interval.minima for interval in atlas.intervals], [branch.kind for branch in atlas.branches]
     ([2], ['interior', 'contact-touching'])
     """

@@ -134,7 +134,7 @@ class LoadPath(Path):
         """
         phi = np.array(fold_angles)
         energy, angle = float(self.driver.unloaded.energy(phi)), float(self.driver.conjugate(phi))
-        return r.PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
+        return r.PathPoint(t, tuple(fold_angles), energy, (), math.nan, angle)
 
     @property
     def panels(self) -> list[Plot]:

@@ -165,7 +165,7 @@ class Path(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         over = {"parameter": self.parameter.name, "unit": self.parameter.unit}
         for known, p in self._listed():
-            stable = known["kind"] in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
+            stable = known["kind"] in ("minimum", *COUNTED)
             row = over | known | {"stable": stable} | record_row(p)
             yield row | angle_columns(p.fold_angles)
 
