@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, balances, bounded
+from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, bounded
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
@@ -109,7 +109,8 @@ class ConvexDesign:
         t = self.targets
         kind = SpringRows(t.free, t.kinds).kind
         touching = {contact for j, contact in self.touching if j == i}
-        pieces = balances(standing(t, i), kind, touching, self.loose)
+        state = standing(t, i)
+        pieces = [Balance(state.on(tuple(p)), kind, touching, self.loose) for p in state.pieces]
         if len(pieces) > MOST_PIECES:
             many = f"{len(pieces)} smooth pieces of the feasible set meet there"
             raise OptionError(f"state {name!r}: {many}, {MOST_PIECES} are the most")

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.kkt import State, Stratum
+from origami_nlp.kkt import Stratum
 from origami_nlp.numerics import (
     DEFINITE,
     EQUAL,
@@ -223,23 +223,6 @@ def _independent(rows: np.ndarray) -> np.ndarray:
     _, values, vt = np.linalg.svd(rows, full_matrices=False)
     rank = int((values > INDEPENDENT).sum())
     return values[:rank, None] * vt[:rank]
-
-
-def balances(
-    state: State, kind: np.ndarray, touching: Collection[Contact] = (), loose: bool = False
-) -> list[Balance]:
-    """Return the conditions of a state, one for each smooth piece of the feasible set that meets there.
-
-    Parameters
-    ----------
-    state
-        The state.
-    kind
-        Which kind of crease each variable of its model is, shape [n].
-    touching, loose
-        See `Balance`.
-    """
-    return [Balance(state.on(tuple(p)), kind, touching, loose) for p in state.pieces]
 
 
 class SpringRows:

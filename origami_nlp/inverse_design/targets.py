@@ -200,11 +200,7 @@ class Targets:
     @cached_property
     def model(self) -> Any:
         """The problem with the symmetry, of equal springs."""
-        return self.posed(self.origami)
-
-    def posed(self, made: Scene | Pattern) -> Any:
-        """Return the problem of the same vertex or pattern with some springs."""
-        return pose(made)
+        return pose(self.origami)
 
     def made(self, stiffness: np.ndarray, torque: np.ndarray) -> Scene | Pattern:
         """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
