@@ -256,10 +256,9 @@ class _Paths:
                 yield one
 
         for k in np.flatnonzero(~differ[many, :many]).tolist() if lies else ():
-            if (k, many) not in joined:
-                path, arrives = terrain.walk_to(minima[k], flat)
-                if arrives:
-                    yield from whole(many, k, path[::-1])
+            path, arrives = terrain.walk_to(minima[k], flat)
+            if arrives and (k, many) not in joined:
+                yield from whole(many, k, path[::-1])
         # more decimals of distances are rounding
         far = np.linalg.norm(minima[:, None] - minima, axis=2).round(6)
         pairs, group, descents = set(), groups(len(nodes), joined), 60
