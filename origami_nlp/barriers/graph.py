@@ -60,7 +60,7 @@ def passes_over(result: MinimaResult, found: PassGraph, sure: Sure) -> Barriers:
 def _between(result: MinimaResult, found: PassGraph, sure: Sure, i: int, j: int) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
     merge, problem, states = found.tree.barrier(i, j), found.problem, found.states[:0]
-    energy, kind, more = math.inf, "none", dict[str, Any]()
+    energy, more, kind = math.inf, dict[str, Any](), "none"
     every = merge is not None and sure(i, j, merge.height)
     if merge is not None:
         node, states = found.top(merge.edge), found.states[found.tree.path(i, j)]
@@ -75,11 +75,10 @@ def _between(result: MinimaResult, found: PassGraph, sure: Sure, i: int, j: int)
         energy = float(merge.height * problem.scale) if kind == "bound" else at.energy
         angles = tuple(problem.expand(at.x).tolist())
         more = {"fold_angles": angles, "contacts": closed, "residual": residual, "every": every}
-    return Pass(
-        i + 1, j + 1, *(energy - result.minima[k].energy for k in (i, j)), energy, None,
-        kind, Known.EXACT if every else Known.BOUND, FOLLOWED if every else SHOWN if more else NONE,
-        problem.expand(states), problem.energies(states), **more,
-    )  # type: ignore[arg-type] # fmt: skip
+    rises = [energy - result.minima[k].energy for k in (i, j)]
+    known, why = (Known.EXACT, FOLLOWED) if every else (Known.BOUND, SHOWN if more else NONE)
+    path = problem.expand(states), problem.energies(states)
+    return Pass(i + 1, j + 1, *rises, energy, None, kind, known, why, *path, **more)  # type: ignore[arg-type, call-arg]
 
 
 def _made_exact(

@@ -185,8 +185,8 @@ class Barriers(Report, Viewable):
         some = [p for p in self.passes if math.isfinite(p.energy) or p.least or not many]
         some.sort(key=lambda p: many and not math.isfinite(p.energy))
         yield (record_table(some[:MOST_PAIRS], self.verdict, narrow=True) if some else self.verdict)
-        if more := len(some[MOST_PAIRS:]):
-            yield f"... {more:,} more pairs: -o FILE.json"
+        if left := len(some[MOST_PAIRS:]):
+            yield f"... {left:,} more pairs: -o FILE.json"
         for why in dict.fromkeys(p.why for p in self.passes):
             pairs = [p.name for p in self.passes if p.why == why]
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
