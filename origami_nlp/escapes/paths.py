@@ -34,19 +34,13 @@ def escape_paths(terrain: Terrain, which: Sequence[int]) -> dict[int, EscapePath
     """
     found = dict[int, EscapePath]()
     for k, parts in partings_of(terrain, which):
-        if (way := _lowest_way(terrain, parts)) is not None:
-            found[k] = way
+        # the lowest first, as long as one may be lower than those before
+        for part in parts:
+            least = found[k].height if k in found else math.inf
+            way = _way(terrain, part) if part.height < least else None
+            if way is not None and way.height < least:
+                found[k] = way
     return found
-
-
-def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None:
-    """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
-    best: EscapePath | None = None
-    for part in parts:
-        way = _way(terrain, part) if best is None or part.height < best.height else None
-        if way is not None and (best is None or way.height < best.height):
-            best = way
-    return best
 
 
 def escape_paths_of_each(

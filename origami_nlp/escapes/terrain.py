@@ -263,28 +263,22 @@ class Terrain:
 
         `until` says where to stop.  Paths to their ends are kept, as other states ask for them again.
         """
-        key = state.tobytes()
-        if key not in self._down:
-            self._down[key] = self._path_down(state)
-        path = self._down[key]
+        path = self._down.get(state.tobytes(), state[None])
+        if self.usable and state.tobytes() not in self._down:
+            path = self._steps(state)
+            # so many refuted states it goes on from
+            for _ in range(2):
+                end = path[-1]
+                if self.listed(end) >= 0:
+                    break
+                # held by contacts that only a way aside leaves
+                lower = lower_beside(self.problem, end, classified(self.problem, end))
+                if lower is None or self._jumps(end, lower):
+                    break
+                path = np.concatenate([path, self._steps(lower)])
+            self._down[state.tobytes()] = path
         stops = (i for i, x in enumerate(path) if until(x))
         return path[: next(stops, len(path)) + 1]
-
-    def _path_down(self, state: np.ndarray) -> np.ndarray:
-        if not self.usable:
-            return state[None]
-        path = self._steps(state)
-        # so many refuted states it goes on from
-        for _ in range(2):
-            end = path[-1]
-            if self.listed(end) >= 0:
-                break
-            # held by contacts that only a way aside leaves
-            lower = lower_beside(self.problem, end, classified(self.problem, end))
-            if lower is None or self._jumps(end, lower):
-                break
-            path = np.concatenate([path, self._steps(lower)])
-        return path
 
     def _steps(self, state: np.ndarray) -> np.ndarray:
         """Return the steps down from a state [S, n], it the first, up to where they rise or take a vertex past flat."""
