@@ -108,13 +108,8 @@ def find_barriers(
     if result is None:
         # half of a time limit is for paths
         left = None if seconds is None else 0.5 * max(until - time.monotonic(), 0.0)
-
-        def told(starts: int, minima: int, at: object) -> None:
-            say(f"{starts} starts, {minima} minima, {at}")
-
-        result = find_states(
-            stated, seed=seed, prove=False, escape=False, seconds=left, progress=progress and told
-        )
+        say("search for minima")
+        result = find_states(stated, seed=seed, prove=False, escape=False, seconds=left)
     check_result(result, stated)
     if isinstance(stated, Scene):
         # no path within the symmetry leads from one winding to another

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.escapes.terrain import Terrain
 from origami_nlp.numerics import OUTSIDE, SETTLED, coarse
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact
 from origami_nlp.search import at_limits
 
 SECTIONS, ROUNDS = 9, 2
@@ -29,24 +29,20 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
     """Go along directions, turn variables, go to the flat state and on, and to other states."""
     flat, n = np.zeros(terrain.problem.size), terrain.problem.size
     unit = np.eye(n) if n <= 12 else np.zeros((0, n))
-    of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
-    slots, free = list[tuple[Contact, ...]](), list[bool]()
+    asked, nowhere = list[Any](), np.full(n, math.nan)
     for k in which:
-        ways = [*softest_modes(terrain.problem, terrain.minima[k]), *unit, *-unit]
-        aims = [flat, *terrain.others(k)]
+        turns = [*softest_modes(terrain.problem, terrain.minima[k]), *unit, *-unit]
+        ways = [*((d, nowhere) for d in turns), *((flat, x) for x in (flat, *terrain.others(k)))]
         # contacts of the state are held, and opened, in turn
         rows = terrain.contacts(terrain.minima[k])
         closed = rows or at_limits(terrain.problem, terrain.minima[k]).any()
         for held in (True, False) if closed else (True,):
-            of += [k] * (len(ways) + len(aims))
-            along += [*ways, *[flat] * len(aims)]
-            goals += [*[np.full(n, math.nan)] * len(ways), *aims]
-            slots += [rows if held else ()] * (len(ways) + len(aims))
-            free += [not held] * (len(ways) + len(aims))
-    if not of:
+            asked += [(k, *way, rows if held else (), not held) for way in ways]
+    if not asked:
         return []
+    of, along, goals, slots, free = zip(*asked, strict=True)
     given = np.array(along), np.array(goals), slots, np.array(free)
-    out = list(zip(of, terrain.walk(terrain.minima[of], *given), strict=True))
+    out = list(zip(of, terrain.walk(terrain.minima[[*of]], *given), strict=True))
     return out + over_flat(out)
 
 
