@@ -26,7 +26,7 @@ def view_path(path: Path) -> Content:
     Returns
     -------
     Content
-        Stations: events, and the states after snaps.  Tracks: each stretch of a curve on which the parameter runs one
+        Stations: events.  Tracks: each stretch of a curve on which the parameter runs one
         way.
     """
     over, tracks = path.parameter, list[Trajectory]()
@@ -40,8 +40,10 @@ def view_path(path: Path) -> Content:
     def view(p: PathPoint) -> Any:
         return posed(p.t).view(p.fold_angles)
 
-    seen = [(s, s.point, (s.note,) if s.note else ()) for s in path.stations]
-    stations = tuple(Keyframe(s.title, folded(p), view(p), lines=lines) for s, p, lines in seen)
+    stations = list[Keyframe]()
+    for e in path.events:
+        p, title = path.point_of(e), f"event {e.id}: {e.words()} at {over.shown(e.t, 9)}"
+        stations.append(Keyframe(title, folded(p), view(p), lines=(e.note,) * bool(e.note)))
     for curve in path.curves:
         t = np.array([p.t for p in curve.points])
         steps = np.sign(np.diff(t))
@@ -55,5 +57,5 @@ def view_path(path: Path) -> Content:
                 states, middle = [folded(p) for p in points], points[len(points) // 2]
                 tracks.append(join_states(title, states, view(middle), drawn, over.axis))
     note, body = "" if tracks else "Nothing was followed.", posed(over.low).body
-    shown = stations, tuple(tracks), tuple(path.report_sections()), note, STEPS
+    shown = tuple(stations), tuple(tracks), tuple(path.report_sections()), note, STEPS
     return Content(path.origami_at(over.low).title, body, *shown)

@@ -402,8 +402,8 @@ def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:
     """Follow the energy downhill along states in which no facets cross; where to, and why that is no minimum."""
     try:
         found = descent_path(problem, start, longest=TRUST)
-    except np.linalg.LinAlgError:  # a ValueError as well
-        raise
     except ValueError as refused:
+        if isinstance(refused, np.linalg.LinAlgError):
+            raise
         return start, str(refused)
     return found.end, "" if found.arrives else UNTOLD

@@ -18,7 +18,7 @@ from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.result import Path, Plot, Station, Track, listed
+from origami_nlp.paths.result import Path, Plot, Track, listed
 from origami_nlp.pattern_problem import state_parts
 
 
@@ -108,14 +108,6 @@ class LoadPath(Path):
         """The legs: stable states."""
         each = [leg.points for leg in self.legs]
         return [Track("leg", k, p, "minimum") for k, p in enumerate(each, start=1)]
-
-    @property
-    def stations(self) -> list[Station]:
-        """The events, and where snaps lead."""
-        found = super().stations
-        for k, s in enumerate(self.snaps, start=1):
-            found.append(Station(f"after snap {k}", self.point_at(s.t, s.after), s.certificate))
-        return found
 
     def point_at(self, t: float, fold_angles: Sequence[float]) -> r.PathPoint:
         """Return a state as a point.

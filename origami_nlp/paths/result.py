@@ -33,14 +33,6 @@ class Track(NamedTuple):
     kind: str
 
 
-class Station(NamedTuple):
-    """A state of a path that is shown by itself: its title, the point, and a note."""
-
-    title: str
-    point: PathPoint
-    note: str
-
-
 class Plot(NamedTuple):
     """Axes over which the states of a path are drawn: labels, and the place of a state."""
 
@@ -84,12 +76,6 @@ class Path(Report, Viewable):
     def curves(self) -> list[Track]:
         """What is listed point by point: the branches."""
         return [Track("branch", b.id, b.points, b.kind) for b in self.branches]
-
-    @property
-    def stations(self) -> list[Station]:
-        """The states that are shown by themselves: the events."""
-        at = [f"event {e.id}: {e.words()} at {self.parameter.shown(e.t, 9)}" for e in self.events]
-        return [Station(a, self.point_of(e), e.note) for a, e in zip(at, self.events, strict=True)]
 
     @property
     def panels(self) -> list[Plot]:
