@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.display import Content, Keyframe, Poser, Trajectory, join_states
-from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.records import PathPoint
-from origami_nlp.paths.result import Path
+from origami_nlp.paths.result import Atlas, Path
 
 STEPS = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
 

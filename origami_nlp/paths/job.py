@@ -24,8 +24,8 @@ from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coa
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.followed import FollowedDiagram
-from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.result import LoadPath
 from origami_nlp.search import TRUST, descent_path
 
 STEP = EPS ** (1 / 3)

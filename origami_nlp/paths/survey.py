@@ -15,12 +15,12 @@ from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, ne
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped
 from origami_nlp.minima import MinimaResult, check_prove
 from origami_nlp.numerics import SETTLED
-from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import search_minima
 from origami_nlp.paths.family import Family, family_of, with_generic_symmetry
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import SearchCheck
+from origami_nlp.paths.result import Atlas
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
 
