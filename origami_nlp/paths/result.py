@@ -456,7 +456,7 @@ class LoadPath(Path):
         events = [0.0, *(e.t for e in self.events if low <= e.t <= high)]
         more = 0.3 * (max(events) - min(events)) or high - low
         low, high = max(low, min(events) - more), min(high, max(events) + more)
-        room = 0.08 * (high - low) or 1.0
+        room = 0.1 * (high - low) or 1.0
         return low - room, high + room
 
     def report_sections(self) -> Iterator[Section]:

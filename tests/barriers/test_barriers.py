@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 from origami_nlp import find_minima
 from origami_nlp.barriers import Known, find_barriers
-from origami_nlp.barriers.graph import side_of_flat
+from origami_nlp.barriers.find import side_of_flat
 from origami_nlp.numerics import merge_tree
 from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Scene, Vertex, examples

@@ -28,7 +28,7 @@ BESIDE_THE_TABLE = {
         pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        paper/landscape.PIECE paths/ways.OFF_BRANCH paths/ways.LEAST_SPAN paths/ways.OVER
+        paper/landscape.PIECE paths/job.OFF_BRANCH paths/job.LEAST_SPAN paths/job.OVER
         paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
@@ -51,7 +51,7 @@ BESIDE_THE_TABLE = {
         search/descend.NAMES
     """,
     "what a formula is resolved to by its pieces": """
-        pattern/hinge_types.AS_STATED
+        pattern/hinge_types.AS_STATED pattern_problem/labels.FINE
     """,
     "what is shown, or said in words": """
  chart/boundary.GRID chart/boundary.SLIVER
