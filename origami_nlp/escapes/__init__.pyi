@@ -17,12 +17,12 @@ from .find import (
     images_of as images_of,
     is_first as is_first,
 )
-from .partings import rays as rays
 from .paths import (
     down_to as down_to,
     escape_paths as escape_paths,
     escape_paths_of_each as escape_paths_of_each,
     highest as highest,
+    rays as rays,
 )
 from .terrain import (
     Terrain as Terrain,

@@ -40,7 +40,7 @@ BESIDE_THE_TABLE = {
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
-        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID escapes/partings.CERTAIN
+        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID escapes/paths.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN
         continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
