@@ -192,7 +192,7 @@ class _Paths:
         self, heights: np.ndarray, energies: np.ndarray, level: float
     ) -> MinimaResult:
         """Return the minima with what passes of some heights [M, M] say of leaving them, where no less is known."""
-        scale, listed = energy_scale(np.array(self.result.origami.stiffness)), [*self.result.minima]
+        scale, listed = energy_scale(self.problem.pattern.stiffness), [*self.result.minima]
         np.fill_diagonal(heights, math.inf)
         for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, self.beyond)):
             known = listed[k].escape

@@ -26,7 +26,6 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
 MOST_PAIRS = 30
@@ -88,12 +87,6 @@ class Barriers(Report, Viewable):
     stopped: bool = field(default=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
-
-    @property
-    def scene(self) -> Scene | None:
-        """The scene; None of a pattern."""
-        stated = self.result.origami
-        return stated if isinstance(stated, Scene) else None
 
     @property
     def interrupted(self) -> bool:
@@ -164,8 +157,8 @@ class Barriers(Report, Viewable):
         known.sort()
         if not known:
             return f"{words}, no pass between minima is known"
-        kept = self.scene is not None and self.scene.is_symmetric
-        group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
+        origami = self.result.origami
+        group = f" on paths that keep {origami.group.name}" if origami.is_symmetric else ""
         said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
         if len(said) > 4:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
