@@ -54,10 +54,10 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "origami_nlp paths.atlas chart.boundary display.result search.options "
+    "origami_nlp paths.result chart.boundary display.result search.options "
     "barriers.find paths.boundary paths.survey contact.segments "
     "continuation.tracer inverse_design.finding inverse_design.result "
-    "paths.load paths.load_result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "paths.load minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
     "paper.critical paper.landscape paper.space "
     "pattern_problem.lattice pattern_problem.tube results verbs"
 ).split()

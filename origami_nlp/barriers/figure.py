@@ -42,7 +42,7 @@ def draw_barriers(barriers: Barriers) -> Figure:
     from origami_nlp.minima import judged
 
     check_type("barriers", barriers, Barriers)
-    result, scene = barriers.result, barriers.scene
+    result = barriers.result
     width = max(5.2, min(0.13 * len(result.minima) + 2, 24.0))
     figure = Figure(figsize=(width, 3.7), dpi=110, layout="constrained")
     ax = figure.add_subplot()
@@ -53,7 +53,7 @@ def draw_barriers(barriers: Barriers) -> Figure:
         ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
         return figure
     _draw_tree(ax, barriers, found)
-    handles = minima_legend(found, STAR, scene is not None and not scene.group.is_trivial)
+    handles = minima_legend(found, STAR, result.origami.is_symmetric)
     handles += passes_legend((j.pass_kind for j in barriers.merges), STAR)
     look: dict[str, Any] = {"loc": "outside lower center", "fontsize": 9, "frameon": False}
     figure.legend(handles=handles, ncols=min(len(handles), 2), **look)

@@ -1,8 +1,8 @@
 """Barriers: for each pair of minima the lowest pass between them that is known, and a path through it.
 
-Along traced curves where there are some, exactly with one degree of freedom (`graph`), and
-along ways on one terrain (`search.Terrain`): escape paths, straight walks, and descents from saddles, which
-Newton on the KKT system finds where the lowest ways are highest (`passes`).  `graph` says what lies below as well.
+Along traced curves where there are some, exactly with one degree of freedom, and along ways on one terrain
+(`escapes.Terrain`): escape paths, straight walks, and descents from saddles, which Newton on the KKT system finds where
+the lowest ways are highest (`passes`).
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_until, check_whole
-from origami_nlp.barriers.graph import bounded, flat_bound, passes_over, traced_passes
-from origami_nlp.barriers.passes import Known, Pass, both_sides, critical_near
-from origami_nlp.barriers.result import Barriers
-from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
+from origami_nlp.barriers.passes import Known, Pass, PassKind, both_sides, critical_near
+from origami_nlp.barriers.result import Barriers, Join
+from origami_nlp.errors import OutOfTime, unless_stopped
 from origami_nlp.escapes import (
     ALONE,
     MOST_CREASES,
@@ -38,16 +37,37 @@ from origami_nlp.escapes import (
     level_of,
     number_of,
     rounded_up,
-    softest_modes,
 )
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, check_result
-from origami_nlp.numerics import DUPLICATE_TOL, groups
+from origami_nlp.numerics import (
+    BESIDE_SINGULAR,
+    DUPLICATE_TOL,
+    INPUT_TOL,
+    NEAR_SINGULAR_TOL,
+    SETTLED,
+    groups,
+)
 from origami_nlp.pattern import Scene, Stated, as_origami
-from origami_nlp.pattern_problem import pose
-from origami_nlp.pattern_states import PassGraph, PathDown, find_states
+from origami_nlp.pattern_problem import PatternProblem, angle_sums
+from origami_nlp.pattern_states import PassGraph, PathDown, find_states, graph_of_curves
 
 SECONDS = 60.0
 """For ways of each kind, of wall time."""
+SHOWN = (
+    "the lowest path that is known, on traced curves, by descents, straight, or over a saddle: an upper bound; "
+    "contact may be missed between its states, and lower ones are not excluded"
+)
+FOLLOWED = (
+    "no lower path: motions from the first state follow traced curves, up to where others meet them"
+)
+NONE = "no admissible path is known"
+PROVED = "proved: admissible states above and below the flat state meet there only"
+NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
+STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
+RIGID = "no path: one of the two is isolated, as its certificate says"
+
+Sure = Callable[[int, int, float], bool]
 
 
 def find_barriers(
@@ -87,7 +107,7 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or no degree of freedom, or an argument is not what it must be.
+        If a scene has dead loads, or an argument is not what it must be.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
@@ -106,22 +126,12 @@ def find_barriers(
     check_whole("seed", seed, 0)
     if isinstance(stated, Scene):
         stated.check_no_forces("barriers")
-        if (dof := pose(stated).dof) < 1:
-            raise OptionError(
-                f"[model] symmetry = {stated.symmetry!r} leaves {dof} degrees of freedom; barriers need one: "
-                "state another symmetry"
-            )
         stated = stated.of_one_winding
     if result is None:
         # half of a time limit is for paths
         left = None if seconds is None else 0.5 * max(until - time.monotonic(), 0.0)
-
-        def told(starts: int, minima: int, at: object) -> None:
-            say(f"{starts} starts, {minima} minima, {at}")
-
-        result = find_states(
-            stated, seed=seed, prove=False, escape=False, seconds=left, progress=progress and told
-        )
+        say("search for minima")
+        result = find_states(stated, seed=seed, prove=False, escape=False, seconds=left)
     check_result(result, stated)
     if isinstance(stated, Scene):
         # no path within the symmetry leads from one winding to another
@@ -151,44 +161,38 @@ class _Paths:
 
     def barriers(self) -> Barriers:
         """Find them."""
-        result, posed, on_curves = self.result, self.problem, None
-        if not result.minima:
+        result, posed, many = self.result, self.problem, len(self.minima)
+        if not many:
             return Barriers(result, (), (), (*self.late,))
-        if (
-            known := self._in_time("passes along traced curves", partial(traced_passes, result))
-        ) is not None:
-            on_curves, self.traced = known
-        open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
-        left = {k - 1 for p in open_ for k in p.pair}
-        for k, m in enumerate(result.minima if posed.size <= MOST_CREASES else ()):
-            if m.local_dimension and (k in left or on_curves is None):
-                self.loose.append(k)
-        leaving = {k: softest_modes(posed, self.minima[k]) for k in self.loose}
-        self.terrain = Terrain(posed, self.minima, leaving=leaving)
+        energies = np.array([m.energy for m in result.minima])
+        level = level_of(energies, energy_scale(posed.pattern.stiffness))
+        curves = partial(graph_of_curves, posed, result.curves, self.minima)
+        self.traced = self._in_time("passes along traced curves", curves) or self.traced
+        sure = partial(is_lowest, result, self.traced, level / posed.scale)
+        open_ = set[int]() if result.curves else {*range(many)}
+        for i, j in itertools.combinations(range(many), 2):
+            merge = self.traced.tree.barrier(i, j)
+            if merge is None or not sure(i, j, merge.height):
+                open_ |= {i, j}
+        moves = [k for k in sorted(open_) if result.minima[k].local_dimension]
+        self.loose = moves if posed.size <= MOST_CREASES else []
+        self.terrain = Terrain(posed, self.minima)
         for part, find in (
             ("ways between minima", self._between),
             ("escape paths", self._escapes),
             ("saddles beside paths", self._over_saddles),
         ):
             self._in_time(part, lambda find=find: self.ways.extend(find()))  # type: ignore[misc]
-        whole = passes_over(result, self.traced.with_ways(self.ways))
-        energies = np.array([m.energy for m in result.minima])
-        level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
-        curved = on_curves.passes if on_curves else ()
-        before = {p.pair: p for p in curved}
-        passes, (least, reason) = list[Pass](), flat_bound(posed)
-        for p in whole.passes:
-            was = before.get(p.pair, p)
-            p = was if was.every or was.energy <= p.energy + level else p
-            passes.append(bounded(p, result, (least, reason), level))
-        found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
+        found, flat = passes_over(result, self.traced.with_ways(self.ways), sure), flat_bound(posed)
+        passes = tuple(bounded(p, result, flat, level) for p in found.passes)
+        found = replace(found, passes=passes, left_out=(*self.late,), stopped=self.stopped)
         return replace(found, result=self._with_escapes(found.matrix(), energies, level))
 
     def _with_escapes(
         self, heights: np.ndarray, energies: np.ndarray, level: float
     ) -> MinimaResult:
         """Return the minima with what passes of some heights [M, M] say of leaving them, where no less is known."""
-        scale, listed = energy_scale(np.array(self.result.origami.stiffness)), [*self.result.minima]
+        scale, listed = energy_scale(self.problem.pattern.stiffness), [*self.result.minima]
         np.fill_diagonal(heights, math.inf)
         for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, self.beyond)):
             known = listed[k].escape
@@ -269,10 +273,9 @@ class _Paths:
                 yield one
 
         for k in np.flatnonzero(~differ[many, :many]).tolist() if lies else ():
-            if (k, many) not in joined:
-                path, arrives = terrain.walk_to(minima[k], flat)
-                if arrives:
-                    yield from whole(many, k, path[::-1])
+            path, arrives = terrain.walk_to(minima[k], flat)
+            if arrives and (k, many) not in joined:
+                yield from whole(many, k, path[::-1])
         # more decimals of distances are rounding
         far = np.linalg.norm(minima[:, None] - minima, axis=2).round(6)
         pairs, group, descents = set(), groups(len(nodes), joined), 60
@@ -307,7 +310,7 @@ class _Paths:
                 return
             tried.add(top.tobytes())
             # within 0.3 rad of the highest state of a way
-            for one in critical_near(terrain.problem, top[None], 0.3):
+            for one in critical_near(terrain.problem, top, 0.3):
                 if not any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in known):
                     known.append(one.x)
                     for states, to in both_sides(terrain, one):
@@ -326,3 +329,109 @@ class _Paths:
             # of an unrefined way more than two digits hang on where its steps were cut
             rise = high + float(rounded_up(rise - high))
             yield PathDown(dense, to, start, terrain.problem.energy(terrain.minima[to]) + rise)
+
+
+def passes_over(result: MinimaResult, found: PassGraph, sure: Sure) -> Barriers:
+    """Return the passes over a graph of states; sure: whether no path between two minima is lower than some height."""
+    pairs = itertools.combinations(range(found.minima), 2)
+    passes = {(i + 1, j + 1): _between(result, found, sure, i, j) for i, j in pairs}
+    merges = []
+    for merge in found.tree.merges:
+        first, second = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
+        one = passes[min(first[0], second[0]), max(first[0], second[0])]
+        merges.append(Join(one.energy, one.pass_kind, first, second))
+    return Barriers(result, tuple(passes.values()), tuple(merges))
+
+
+def _between(result: MinimaResult, found: PassGraph, sure: Sure, i: int, j: int) -> Pass:
+    """Return the pass between minima i and j (0-based) with its path."""
+    merge, problem, states = found.tree.barrier(i, j), found.problem, found.states[:0]
+    energy, more, kind = math.inf, dict[str, Any](), "none"
+    every = merge is not None and sure(i, j, merge.height)
+    if merge is not None:
+        node, states = found.top(merge.edge), found.states[found.tree.path(i, j)]
+        top = found.states[node]
+        try:
+            at, kind, residual = _made_exact(
+                problem, top, "bound" if node in found.inner else "corner"
+            )
+            closed = tuple(problem.name(c) for c in at.pieces[0])
+        except OutOfTime:
+            at, kind, residual, closed = State(problem, top), "bound", math.nan, ()
+        energy = float(merge.height * problem.scale) if kind == "bound" else at.energy
+        angles = tuple(problem.expand(at.x).tolist())
+        more = {"fold_angles": angles, "contacts": closed, "residual": residual, "every": every}
+    rises = [energy - result.minima[k].energy for k in (i, j)]
+    known, why = (Known.EXACT, FOLLOWED) if every else (Known.BOUND, SHOWN if more else NONE)
+    path = problem.expand(states), problem.energies(states)
+    return Pass(i + 1, j + 1, *rises, energy, None, kind, known, why, *path, **more)  # type: ignore[arg-type, call-arg]
+
+
+def _made_exact(
+    problem: Any, top: np.ndarray, otherwise: PassKind
+) -> tuple[State, PassKind, float]:
+    """Return the state of a pass near the top of a path [n], its kind (`otherwise`: no saddle) and its residual."""
+    exact = critical_near(problem, top, NEAR_SINGULAR_TOL)
+    if exact:
+        return State(problem, exact[0].x), exact[0].kind, exact[0].residual  # type: ignore[return-value]
+    at = State(problem, top)
+    if at.regular:
+        return at, otherwise, math.nan
+    return at, "flat state" if np.abs(top).max() <= SETTLED else "singular", math.nan
+
+
+def is_lowest(
+    result: MinimaResult, traced: PassGraph, level: float, i: int, j: int, height: float
+) -> bool:
+    """Whether curves show that no path from minimum i to j is lower than one of a height, but for a level."""
+    sure = traced.sure.tree.barrier(i, j)
+    if result.minima[i].dof > 1 or sure is None or sure.height > height + level:
+        return False
+    # over states at which other curves may leave, no more is known than that energy
+    return bool(traced.least(i, [j], level) >= height - level)
+
+
+def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
+    """Return on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
+
+    Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
+    every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
+    facets that touch included (proved in docs/validation/landscapes.md).
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    total = phi.sum(axis=-1)
+    unclear = np.abs(total) <= phi.shape[-1] * DUPLICATE_TOL
+    flat = np.abs(phi).max(axis=-1) <= BESIDE_SINGULAR
+    return np.where(flat | unclear, 0, np.sign(total)).astype(int)
+
+
+def flat_bound(problem: PatternProblem) -> tuple[float, str]:
+    """Return what paths between the sides of the flat state climb to at least, and why; nan: nothing parts them."""
+    vertices, pattern = problem.pattern.vertices, problem.pattern
+    if not problem.contact or len(vertices) != 1 or len(vertices[0].creases) != pattern.creases:
+        return math.nan, SHOWN
+    paper = angle_sums(pattern)[vertices[0].vertex] - 2 * math.pi
+    if paper > INPUT_TOL:
+        return math.nan, SHOWN
+    if paper < -INPUT_TOL:
+        return math.inf, NEVER
+    flat = np.zeros(problem.size)
+    if not problem.fold_limits.inside(flat).all():
+        return math.inf, STOPPED
+    return float(problem.energy(flat)), PROVED
+
+
+def bounded(p: Pass, result: MinimaResult, flat: tuple[float, str], level: float) -> Pass:
+    """Add what bounds a pass from below.
+
+    flat: see `flat_bound`.  level: energies that are no more apart are the same.
+    """
+    one, two = (result.minima[k - 1] for k in p.pair)
+    if not (len(p.path) or (one.local_dimension and two.local_dimension)):
+        return replace(p, known=Known.EXACT, why=RIGID)
+    least, why = flat
+    across = side_of_flat(np.array(one.fold_angles)) * side_of_flat(np.array(two.fold_angles)) < 0
+    if math.isnan(least) or not across or p.known is Known.EXACT:
+        return p
+    exact = {"known": Known.EXACT, "why": why} if p.energy <= least + level else {}
+    return replace(p, least=least, **exact)  # type: ignore[arg-type]

@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from origami_nlp.display import shown
 from origami_nlp.escapes import Terrain, down_to
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import State, judge_branch, newton, project
@@ -37,6 +38,9 @@ class Known(Enum):
     BOUND = "bound"
     """It is at most that."""
 
+    def __str__(self) -> str:
+        return str(self.value)
+
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "bound", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -51,12 +55,20 @@ class Pass(ShortRepr):
     ----------
     from_state, to_state
         Numbers (1-based) among the minima.
+    rises, back
+        What the pass is above either minimum.
     energy
         Of the pass [the scene's units]; inf where no admissible path joins the two.
+    least
+        Of a vertex: energy that every path has at least, where the flat state parts the two; None elsewhere.
     pass_kind
         ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the feasible set meet), ``flat state``,
         ``singular`` (another state where two pieces meet in one point, or a thin set ends), ``bound`` (no pass: the
         energy is that of an explicit path, an upper bound), or ``none``.
+    known
+        ``exact`` or ``bound``: whether the barrier is its height, or at most that.
+    why
+        What bounds the barrier from below.
     fold_angles
         Of the pass, all N [rad]; empty for ``none``.
     contacts
@@ -67,29 +79,25 @@ class Pass(ShortRepr):
         Fold angles [M, N] from the first minimum over the pass to the second.
     path_energy
         [M].
-    why
-        What bounds the barrier from below.
-    known
-        ``exact`` or ``bound``: whether the barrier is its height, or at most that.
     every
         Whether all paths up to that height are known, not only those between the two.
-    least
-        Of a vertex: energy that every path has at least, where the flat state parts the two; nan elsewhere.
     """
 
-    from_state: int
-    to_state: int
-    energy: Unbounded
-    pass_kind: PassKind
-    fold_angles: tuple[float, ...]
-    contacts: tuple[str, ...]
-    residual: float
+    from_state: int = field(metadata=shown("from", spec="#{}".format, side="r"))
+    to_state: int = field(metadata=shown("to", spec="#{}".format, side="r"))
+    rises: Unbounded = field(metadata=shown("barrier", "J", ".6g"))
+    back: Unbounded = field(metadata=shown("and back", "J", ".6g"))
+    energy: Unbounded = field(metadata=shown("energy at the pass", "J", ".9g"))
+    least: float | None = field(metadata=shown("at least", "J", ".9g"))
+    pass_kind: PassKind = field(metadata=shown("kind"))
+    known: Known = field(metadata=shown("known"))
+    why: str
     path: np.ndarray = field(repr=False)
     path_energy: np.ndarray = field(repr=False)
-    why: str
-    known: Known = Known.BOUND
+    fold_angles: tuple[float, ...] = ()
+    contacts: tuple[str, ...] = ()
+    residual: float = math.nan
     every: bool = False
-    least: float = math.nan
 
     @property
     def pair(self) -> tuple[int, int]:
@@ -119,7 +127,7 @@ class Critical:
     kind
         See `PassKind`.
     direction
-        Unit vector of negative curvature [n], or None.
+        Of negative curvature [n], or None.
     """
 
     x: np.ndarray
@@ -130,28 +138,18 @@ class Critical:
     direction: np.ndarray | None = field(repr=False, default=None)
 
 
-def critical_near(model: Problem, starts: np.ndarray, reach: float) -> list[Critical]:
-    """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
-    found: list[Critical] = []
-    tried: set[tuple[int, tuple[Contact, ...]]] = set()
-    for k, x in enumerate(starts):
-        sets: list[tuple[Contact, ...]] = [()]
-        for rows in State(model, x, reach).pieces:
-            sets += [(row,) for row in rows]
-            sets += list(itertools.combinations(rows, 2))
-        for rows in dict.fromkeys(sets):
-            if len(rows) > model.dof or (k, rows) in tried:
-                continue
-            tried.add((k, rows))
-            polished, _ = newton(model, x, rows)
-            if polished is None or not polished.converged or np.abs(polished.x - x).max() > reach:
-                continue
-            if any(np.abs(polished.x - c.x).max() <= DUPLICATE_TOL for c in found):
-                continue
-            state = State(model, polished.x)
-            what = critical_at(state)
-            if what is not None and what.index == 1 and not state.refused:
-                found.append(what)
+def critical_near(model: Problem, start: np.ndarray, reach: float) -> list[Critical]:
+    """Return the KKT points of index 1 that Newton finds from a state [n] within `reach` [rad] of it."""
+    found, sets = list[Critical](), [tuple[Contact, ...]()]
+    for rows in State(model, start, reach).pieces:
+        sets += [*((row,) for row in rows), *itertools.combinations(rows, 2)]
+    for rows in dict.fromkeys(sets):
+        polished = newton(model, start, rows)[0] if len(rows) <= model.dof else None
+        if polished is None or not polished.converged or np.abs(polished.x - start).max() > reach:
+            continue
+        if not any(np.abs(polished.x - c.x).max() <= DUPLICATE_TOL for c in found):
+            what = critical_at(state := State(model, polished.x))
+            found += [what] if what is not None and what.index == 1 and not state.refused else []
     return found
 
 
@@ -178,8 +176,6 @@ def critical_at(state: State) -> Critical | None:
         kind = "contact saddle" if judged[0].rows else "saddle"
     if direction is None and index:
         direction = state.on(judged[0].rows).softest
-    if direction is not None:
-        direction = direction / np.linalg.norm(direction)
     return Critical(x, judged[0].rows, index, residual, kind, direction)
 
 
@@ -192,10 +188,11 @@ def both_sides(terrain: Terrain, critical: Critical) -> list[tuple[np.ndarray, i
     if critical.direction is None:
         return []
     held = critical.rows if critical.kind == "contact saddle" else ()
+    aside = critical.direction / np.linalg.norm(critical.direction)
     for sign in (1.0, -1.0):
         # far enough off the pass that the energy falls by more than rounding, near enough not to jump to another valley
         for off in OFF:
-            y, residual = project(problem, critical.x + sign * off * critical.direction, held)
+            y, residual = project(problem, critical.x + sign * off * aside, held)
             y = problem.fold_limits.clip(y)
             lower = problem.energy_change(critical.x, y) < 0
             if residual <= CLOSURE_TOL and lower and not problem.refuses(y):

@@ -14,7 +14,6 @@ from origami_nlp.arguments import require
 from origami_nlp.barriers.passes import Known, Pass, PassKind
 from origami_nlp.display import (
     Content,
-    Details,
     Poser,
     Report,
     Section,
@@ -23,43 +22,16 @@ from origami_nlp.display import (
     angle_columns,
     record_row,
     record_table,
-    shown,
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
 MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
 """Pairs whose bounds are printed below the passes."""
-
-
-@dataclass(frozen=True)
-class PassRow:
-    """A pass as it is listed.
-
-    Attributes
-    ----------
-    scene
-        Name of what is folded.
-    from_state, to_state, energy, kind, known, least
-        As of `Pass`; None for what is not known.
-    rises, back
-        What the pass is above either minimum.
-    """
-
-    scene: str = field(metadata=shown())
-    from_state: int = field(metadata=shown("from", spec="#{}".format, side="r"))
-    to_state: int = field(metadata=shown("to", spec="#{}".format, side="r"))
-    rises: float = field(metadata=shown("barrier", "J", ".6g"))
-    back: float = field(metadata=shown("and back", "J", ".6g"))
-    energy: float = field(metadata=shown("energy at the pass", "J", ".9g"))
-    least: float | None = field(metadata=shown("at least", "J", ".9g"))
-    kind: str = field(metadata=shown("kind"))
-    known: str = field(metadata=shown("known"))
 
 
 @dataclass(frozen=True)
@@ -117,12 +89,6 @@ class Barriers(Report, Viewable):
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
     @property
-    def scene(self) -> Scene | None:
-        """The scene; None of a pattern."""
-        stated = self.result.origami
-        return stated if isinstance(stated, Scene) else None
-
-    @property
     def interrupted(self) -> bool:
         """Whether the time limit ended it, or the search for its minima."""
         return bool(self.left_out)
@@ -164,44 +130,35 @@ class Barriers(Report, Viewable):
                 graph.add_edge(p.from_state, p.to_state, energy=p.energy, **more)
         return graph
 
-    @property
-    def rows(self) -> list[PassRow]:
-        """The passes as tables, frames and CSV have them."""
-        rows = []
-        for p in self.passes:
-            least = None if math.isnan(p.least) else p.least
-            kind = "no path" if math.isinf(p.energy) and p.known is Known.EXACT else p.pass_kind
-            one, two = self._energies(p)
-            rises, known = (p.energy - one, p.energy - two), p.known.value
-            rows.append(PassRow(self.label, *p.pair, *rises, p.energy, least, kind, known))
-        return rows
-
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
-        return record_table(self.rows, self.verdict, narrow=True)
+        return record_table(self.passes, self.verdict, narrow=True)
 
     @property
     def verdict(self) -> str:
         """How much energy it takes to leave the minima, in a sentence."""
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
-        known = []
-        for k, m in enumerate(self.result.minima, start=1):
+        known, energies = [], [m.energy for m in self.result.minima]
+
+        def is_above(p: Pass, energy: float) -> bool:
+            ends = (energies[k - 1] for k in p.pair)
+            return p.known is Known.EXACT or max(p.least or -math.inf, *ends) >= energy
+
+        for k, energy in enumerate(energies, start=1):
             mine = [p for p in self.passes if k in p.pair]
-            if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
-                near = least.energy / (1 + SAME_ENERGY)
-                floors = (np.nanmax([p.least, *self._energies(p)]) for p in mine)
-                above = (
-                    p.known is Known.EXACT or low >= near
-                    for p, low in zip(mine, floors, strict=True)
+            least = min(mine, key=lambda p: p.energy, default=None)
+            if least is not None and math.isfinite(least.energy):
+                every = least.every or all(
+                    is_above(p, least.energy / (1 + SAME_ENERGY)) for p in mine
                 )
-                sure = least.known is Known.EXACT and (least.every or all(above))
-                known.append((least.energy - m.energy, "" if sure else "at most ", k))
+                sure = least.known is Known.EXACT and every
+                known.append((least.energy - energy, "" if sure else "at most ", k))
         known.sort()
         if not known:
             return f"{words}, no pass between minima is known"
-        kept = self.scene is not None and self.scene.is_symmetric
-        group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
+        origami = self.result.origami
+        group = f" on paths that keep {origami.group.name}" if origami.is_symmetric else ""
         said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
         if len(said) > 4:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
@@ -215,18 +172,14 @@ class Barriers(Report, Viewable):
             frames += path_frames(partial(state_frame, origami), p.path, p.path_energy, title)
         return states_to_fold(origami, frames)
 
-    def _energies(self, p: Pass) -> list[float]:
-        """Return the energies of the minima on either side of a pass."""
-        return [self.result.minima[k - 1].energy for k in p.pair]
-
     def report_sections(self) -> Iterator[Section]:
-        """Return the table of passes, what bounds each, and where they are."""
+        """Return the table of passes, and what bounds each."""
         many = len(self.passes) > MOST_PAIRS
-        some = [r for r in self.rows if math.isfinite(r.energy) or r.least or not many]
-        some.sort(key=lambda r: many and not math.isfinite(r.energy))
+        some = [p for p in self.passes if math.isfinite(p.energy) or p.least or not many]
+        some.sort(key=lambda p: many and not math.isfinite(p.energy))
         yield (record_table(some[:MOST_PAIRS], self.verdict, narrow=True) if some else self.verdict)
-        if rest := some[MOST_PAIRS:]:
-            yield f"... {len(rest):,} more pairs: --verbose, or -o FILE.json"
+        if left := len(some[MOST_PAIRS:]):
+            yield f"... {left:,} more pairs: -o FILE.json"
         for why in dict.fromkeys(p.why for p in self.passes):
             pairs = [p.name for p in self.passes if p.why == why]
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
@@ -234,19 +187,11 @@ class Barriers(Report, Viewable):
         if self.left_out:
             ended = "interrupted" if self.stopped else OUT_OF_TIME
             yield f"{ended}, not through with: {', '.join(self.left_out)}"
-        further = [record_table(rest, "further pairs", narrow=True)] if rest else []
-        places = [
-            f"{p.name}: {' '.join(f'{round(math.degrees(a), 2) + 0.0:.2f}' for a in p.fold_angles)}"
-            for p in self.passes
-            if p.fold_angles
-        ]
-        if places:
-            head = "fold angles at the passes [deg]"
-            yield Details((*further, head, *places), "Where passes are")
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        for row, p in zip(self.rows, self.passes, strict=True):
-            yield record_row(row) | angle_columns(p.fold_angles)
+        for p in self.passes:
+            row = {"scene": self.label} | record_row(p) | {"known": p.known.value}
+            yield row | angle_columns(p.fold_angles)
 
     def view_content(self) -> Content:
         """Return states and the paths over the passes, the lowest pass first, as plain data, see `view`."""

@@ -16,8 +16,13 @@ from .curve import (
     follow_boundary as follow_boundary,
     trace_held as trace_held,
 )
-from .diagram import STEPS as STEPS, BifurcationDiagram as BifurcationDiagram
+from .diagram import (
+    STEPS as STEPS,
+    BifurcationDiagram as BifurcationDiagram,
+    nearest as nearest,
+)
 from .equilibrium import Equilibrium as Equilibrium, EquilibriumCurve as EquilibriumCurve
+from .event_curve import EventPoint as EventPoint, EventTracer as EventTracer
 from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .line import (
     GeometryLine as GeometryLine,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -140,14 +140,29 @@ class BifurcationDiagram:
         found = [(k, arc.at(s)) for k, arc in enumerate(self.arcs)]
         return [(k, frame) for k, frame in found if frame is not None]
 
-    def alone_at(self, s: float) -> list[Equilibrium]:
-        """Return the states that were given at s and from which no equilibrium goes on."""
-        ended = {k for arc in self.arcs for k in (arc.start, arc.end)}
-        return [
+    def frames_at(self, s: float, saddles: bool = True) -> list[Equilibrium]:
+        """Return the states of all arcs at s, and those given there from which no equilibrium goes on, each once."""
+        out, ended = list[Equilibrium](), {k for arc in self.arcs for k in (arc.start, arc.end)}
+        alone = [
             node.halves[0].frame
             for k, node in enumerate(self.nodes)
             if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
         ]
+        for frame in (*(f for _, f in self.states_at(s)), *alone):
+            if (saddles or not frame.index) and nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def split(self, k: int, frame: Equilibrium) -> int:
+        """Make a state on an arc a node, and return its number."""
+        arc, number = self.arcs[k], len(self.nodes)
+        forward = arc.frames[-1].s > arc.frames[0].s
+        before = [f for f in arc.frames if (f.s < frame.s) == forward and f.s != frame.s]
+        after = arc.frames[len(before) + (arc.frames[len(before)].s == frame.s) :]
+        self.nodes.append(SpecialPoint(START, frame.x))
+        self.arcs[k] = replace(arc, frames=(*before, frame), end=number)
+        self.arcs.append(replace(arc, frames=(frame, *after), start=number))
+        return number
 
     def add(
         self, x: np.ndarray, s: float, verdict: str = "", toward: float = 0.0, follow: bool = True
@@ -206,8 +221,7 @@ class BifurcationDiagram:
             for frame in beside_flat(self.line, s, direction):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
-                known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
-                if min(known, default=1.0) > SETTLED:
+                if nearest((f for _, f in self.states_at(frame.s)), frame.state) > SETTLED:
                     self.add(frame.state, frame.s, "minimum")
 
     def _follow(self, start: int, half: OneSidedBranch) -> Halves:
@@ -418,12 +432,16 @@ class BifurcationDiagram:
         """Go on from a point on the other side of a singular state, with the contacts that carry there."""
         node, found = self.nodes[number], find_one_sided_branches(self.line, beyond.x)
         onward = [h for h in found if h.is_like(half.frame)]
-        there = [f.state for _, f in self.states_at(beyond.s)]
-        if not any(np.abs(x - beyond.state).max() <= SETTLED for x in there):
+        if nearest((f for _, f in self.states_at(beyond.s)), beyond.state) > SETTLED:
             node.halves += onward
         if not onward:
             node.why += "; no equilibrium was found beyond"
         return [(number, k) for k in range(len(node.halves)) if k not in node.used]
+
+
+def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
+    """Return how far the nearest of some states is; inf of none."""
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=math.inf)
 
 
 def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray, apart: float = SETTLED) -> bool:

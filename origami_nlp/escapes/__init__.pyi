@@ -16,14 +16,13 @@ from .find import (
     find_escapes as find_escapes,
     images_of as images_of,
     is_first as is_first,
-    softest_modes as softest_modes,
 )
-from .partings import rays as rays
 from .paths import (
     down_to as down_to,
     escape_paths as escape_paths,
     escape_paths_of_each as escape_paths_of_each,
     highest as highest,
+    rays as rays,
 )
 from .terrain import (
     Terrain as Terrain,

@@ -12,8 +12,7 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.escapes.escape import OPEN, Escape, EscapePath, barriers, level_of, rounded_up
 from origami_nlp.escapes.paths import escape_paths
 from origami_nlp.escapes.terrain import FLOOR, Terrain, energy_scale, number_of
-from origami_nlp.numerics import OUTSIDE, SETTLED, coarse
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
@@ -25,9 +24,6 @@ def find_escapes(
     problem: PatternProblem,
     at: np.ndarray,
     known: Mapping[int, Escape],
-    *,
-    labels: CanonicalLabelling,
-    moves: Sequence[Move] = (),
     heights: np.ndarray,
     most: float = math.inf,
 ) -> list[Escape]:
@@ -41,10 +37,6 @@ def find_escapes(
         The states, [M, n]; ways lead to states among them.
     known
         What is known exactly, by number.
-    labels
-        Of the problem's variables, so that what is found does not depend on how they are numbered.
-    moves
-        Symmetries of the problem.
     heights
         Passes that are known between two of them, [M, M]; inf where there is none.
     most
@@ -55,35 +47,34 @@ def find_escapes(
     list of Escape
         One a state; tops of ways in the problem's variables.
     """
-    energies, scale, why = problem.energies(at), energy_scale(problem.pattern.stiffness), ""
-    level, count = level_of(energies, scale), len(at)
-    if problem.pattern.creases > MOST_CREASES:
-        why = f"more than {MOST_CREASES} creases: escape paths are not sought"
+    energies, scale, count = problem.energies(at), energy_scale(problem.pattern.stiffness), len(at)
+    level, moves, why = level_of(energies, scale), problem.moves, ""
     loose = [k for k in range(count) if k not in known]
     images = images_of(at, moves)
     first = [k for k in loose if is_first(k, images)]
     # out of those of lowest energy, images under symmetries not counted
     last = energies[first[:8]].max(initial=-math.inf) + level
-    sought = [] if why else [k for k in loose if energies[k] <= last]
-    ways: dict[int, EscapePath] = {}
-    if sought and count > 1:
-        out_of = [k for k in sought if k in first]
-        aside = labels.drawn(np.random.default_rng(0).normal(size=problem.size))
-        leaving = {k: softest_modes(problem, at[k]) for k in out_of}
-        terrain = Terrain(problem, at, aside, leaving, most)
-        if not terrain.usable:
-            why = "no C compiler was found: escape paths, which many descents show, are not sought"
-        else:
-            try:
-                found = with_images(escape_paths(terrain, out_of), at, moves)
-                ways = {k: found[k] for k in loose if k in found}
-            except OutOfTime:
-                why = "interrupted by the time limit"
+    sought = [k for k in loose if energies[k] <= last]
+    ways = dict[int, EscapePath]()
+    if problem.pattern.creases > MOST_CREASES:
+        why = f"more than {MOST_CREASES} creases: escape paths are not sought"
+    elif sought and count > 1:
+        # what is found does not depend on how variables are numbered
+        aside = problem.labels.drawn(np.random.default_rng(0).normal(size=problem.size))
+        terrain = Terrain(problem, at, aside, most)
+        try:
+            if terrain.usable:
+                out_of = [k for k in sought if k in first]
+                ways = with_images(escape_paths(terrain, out_of), at, moves)
+            else:
+                why = "no C compiler was found: escape paths, which many descents show, are not sought"
+        except OutOfTime:
+            why = "interrupted by the time limit"
     heights, beyond = heights.copy(), np.full(count, math.inf)
     for k, way in ways.items():
-        if way.to < 0:
+        if k not in known and way.to < 0:
             beyond[k] = way.height
-        else:
+        elif k not in known:
             # upwards, by less than any bound: of ways equally high rounding chooses none
             grid = scale * FLOOR / 100
             height = math.ceil((energies[k] + way.height) / grid) * grid
@@ -129,15 +120,3 @@ def with_images(
             end = to[way.to] if way.to >= 0 else -1
             ways.setdefault(to[k], EscapePath(way.height, move(way.top), end))
     return ways
-
-
-def softest_modes(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:
-    """Return the softest motions of a state that closure allows, fully folded creases held, where they are single."""
-    at_limit = np.flatnonzero(problem.fold_limits.room(x) <= OUTSIDE)
-    z = problem.kernel(x, at_limit)
-    lam, _, _ = problem.multipliers(x, at_limit)
-    values, vectors = np.linalg.eigh(z.T @ (problem.hessian(x, lam) @ z))
-    if not len(values) or (len(values) > 1 and values[1] - values[0] <= SETTLED):
-        return []
-    mode = coarse(z @ vectors[:, 0])
-    return [mode, -mode]

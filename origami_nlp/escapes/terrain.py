@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -82,14 +82,12 @@ class Terrain:
         The states, by number, [M, n].
     aside
         Direction [n] that says to which side saddles are left; None: one that labels do not change.
-    leaving
-        Directions out of states, by number.
     most
         Counted work of descents (evaluations of closure) after which none is made.
 
     Attributes
     ----------
-    problem, minima, leaving
+    problem, minima
         As given.
     floor
         Energies over a state that are not distinguished from nothing.
@@ -110,7 +108,6 @@ class Terrain:
         problem: PatternProblem,
         minima: np.ndarray,
         aside: np.ndarray | None = None,
-        leaving: Mapping[int, Sequence[np.ndarray]] | None = None,
         most: float = math.inf,
     ) -> None:
         scale = energy_scale(problem.pattern.stiffness)
@@ -120,11 +117,9 @@ class Terrain:
         self._go, self._most = Follower(problem), most
         self._aside = side_of_saddles(problem) if aside is None else aside
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
-        self.leaving = leaving or {}
         self.pops = PopSigns(problem.pattern)
         self._landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
-        self._orders = dict[bytes, bool]()
 
     @property
     def usable(self) -> bool:
@@ -188,21 +183,12 @@ class Terrain:
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
-        """States between two; what both hold stays so."""
-        many = len(shares)
-        x = self._between(np.tile(a, (many, 1)), np.tile(b, (many, 1)), shares[:, None])
-        # one order all along the step
-        return None if x is None or self._loses_order(a, b, x[many // 2]) else x
+    def between(self, a: np.ndarray, b: np.ndarray, shares: Any) -> np.ndarray | None:
+        """States at shares [S] of the way from a to b, or from each of a [S, n] to each of b; None where one lacks.
 
-    def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
-        """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
-        x = self._between(a, b, np.full((len(a), 1), 0.5))
-        if x is None or any(map(self._loses_order, a, b, x)):
-            return None
-        return x
-
-    def _between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        What both hold stays so.
+        """
+        a, b, shares = np.broadcast_arrays(a, b, np.reshape(shares, (-1, 1)))
         want, still = a + shares * (b - a), (a == b) & ((a == 0) | self._at_limit(a))
         x, good = self._closed(want, still)
         if not good.all():  # with gaps held that both states hold
@@ -220,7 +206,7 @@ class Terrain:
         if (np.abs(x - want).max(axis=1) > np.abs(b - a).max(axis=1) + CLOSURE_TOL).any():
             return None
         for y, one, other in zip(x, a, b, strict=True):
-            if self._jumps(one, y) or self._jumps(y, other):
+            if self._jumps(one, y) or self._jumps(y, other) or self._loses_order(one, other, y):
                 return None
         return x
 
@@ -230,15 +216,8 @@ class Terrain:
 
     def _loses_order(self, a: np.ndarray, b: np.ndarray, y: np.ndarray) -> bool:
         """Whether facets that lie on each other all along a step have no order at a state of it."""
-        p = self.problem
-        if not (p.contact and ((a == b) & self._at_limit(a)).any()):
-            return False
-        kind = None if p.crossed(y) else self._go.level.kind(y)
-        if kind is None:
-            return bool(p.refuses(y))
-        if kind not in self._orders:
-            self._orders[kind] = bool(p.refuses(y))
-        return self._orders[kind]
+        held = self.problem.contact and ((a == b) & self._at_limit(a)).any()
+        return bool(held and self.problem.refuses(y))
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents end."""
@@ -284,28 +263,22 @@ class Terrain:
 
         `until` says where to stop.  Paths to their ends are kept, as other states ask for them again.
         """
-        key = state.tobytes()
-        if key not in self._down:
-            self._down[key] = self._path_down(state)
-        path = self._down[key]
+        path = self._down.get(state.tobytes(), state[None])
+        if self.usable and state.tobytes() not in self._down:
+            path = self._steps(state)
+            # so many refuted states it goes on from
+            for _ in range(2):
+                end = path[-1]
+                if self.listed(end) >= 0:
+                    break
+                # held by contacts that only a way aside leaves
+                lower = lower_beside(self.problem, end, classified(self.problem, end))
+                if lower is None or self._jumps(end, lower):
+                    break
+                path = np.concatenate([path, self._steps(lower)])
+            self._down[state.tobytes()] = path
         stops = (i for i, x in enumerate(path) if until(x))
         return path[: next(stops, len(path)) + 1]
-
-    def _path_down(self, state: np.ndarray) -> np.ndarray:
-        if not self.usable:
-            return state[None]
-        path = self._steps(state)
-        # so many refuted states it goes on from
-        for _ in range(2):
-            end = path[-1]
-            if self.listed(end) >= 0:
-                break
-            # held by contacts that only a way aside leaves
-            lower = lower_beside(self.problem, end, classified(self.problem, end))
-            if lower is None or self._jumps(end, lower):
-                break
-            path = np.concatenate([path, self._steps(lower)])
-        return path
 
     def _steps(self, state: np.ndarray) -> np.ndarray:
         """Return the steps down from a state [S, n], it the first, up to where they rise or take a vertex past flat."""
@@ -402,7 +375,7 @@ class Terrain:
             tops = 1 + np.flatnonzero((rises[1:-1] >= rises[:-2]) & (rises[1:-1] >= rises[2:]))
             after = np.unique(np.concatenate([tops, tops + 1]))
             if len(after):
-                middles = self.middles(path[after - 1], path[after])
+                middles = self.between(path[after - 1], path[after], 0.5)
                 if middles is None:
                     return None
                 path = np.insert(path, after, middles, axis=0)
@@ -421,11 +394,6 @@ class Terrain:
         """The energy's gradient at states [..., n], in the metric of all fold angles, same shape."""
         p = self.problem
         return np.asarray(p.scale * p.parameters.torque(x) / p.root)
-
-    def slope(self, x: np.ndarray) -> np.ndarray:
-        """Norm of that, [...]."""
-        p = self.problem  # squares of torques in N m may overflow
-        return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> Any:
         """Distances of states [..., n] from others, in the same metric, [...]."""
@@ -446,8 +414,9 @@ class Terrain:
         if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
             return apart
         # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
-        slopes = self.slope(ends) + self.slope(at)
-        return apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL)
+        p = self.problem  # squares of torques in N m may overflow
+        slopes = [np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1) for x in (ends, at)]
+        return apart & (self.rise(k, ends) <= p.scale * sum(slopes) * NEAR_SINGULAR_TOL)
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""

@@ -12,9 +12,10 @@ from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier,
 from origami_nlp.inverse_design.targets import ClosedTarget, EnergyBounds, Targets
 from origami_nlp.inverse_design.transition_paths import Passes, height
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, find_images
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_problem import pose
 
 
 def check(
@@ -49,30 +50,23 @@ def check(
     energy = {s.name: s.energy for s in states}
     barriers = tuple(_barrier(targets, scene, ask, passes, energy) for ask in targets.barriers)
     failed = [*_unheld(targets, states), *_energies(targets, energy)]
-    asked = {k: s.name for (k, _), s in zip(near, states, strict=True)}
+    asked = {k for k, _ in near}
     return Design(
         targets,
         posed.margin,
         scene,
         states,
-        tuple(_extra(minima, asked)),
+        tuple(
+            ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles))
+            for k, m in enumerate(minima.minima)
+            if k not in asked
+        ),
         failed=(*failed, *(b.why for b in barriers if b.why)),
         minima=minima,
         iterations=posed.answer.iterations,
         residual=posed.answer.residual,
         barriers=barriers,
     )
-
-
-def _extra(found: MinimaResult, asked: dict[int, str]) -> Iterator[ExtraMinimum]:
-    """Go through the minima that are not among those asked for, by number from 0, with what they are images of."""
-    images = find_images(found.origami, found.model, found.minima)
-    first = [images.get(k, (k, ""))[0] for k in range(1, len(found.minima) + 1)]
-    of = {first[k]: f"state {name}" for k, name in asked.items() if k >= 0}
-    for k, m in enumerate(found.minima):
-        if k not in asked:
-            image = of.get(first[k], f"minimum {first[k]}" if k + 1 in images else "")
-            yield ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles), image)
 
 
 def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
@@ -93,7 +87,7 @@ def _held(
         m = result.minima[k]
         verdict = m.full_space.verdict if m.full_space else None
         return HeldState(*this, m.energy, m.kind, m.certificate, verdict)
-    judged = classify(State(targets.posed(result.origami), placed.state.x))
+    judged = classify(State(result.model, placed.state.x))
     energy = float(result.origami.energy(phi))
     return HeldState(*this, energy, judged.kind, judged.reason, None)
 
@@ -135,7 +129,7 @@ def _barrier(
         return HeldBarrier(ask.first, ask.second, math.nan, (), why)
     # one way serves both directions: its top is the same
     pair = (ask.first, ask.second)
-    model = targets.posed(scene)
+    model = pose(scene)
     top, x = height(model, passes.ways[pair if pair in passes.ways else pair[::-1]])
     why = _outside(top, energy[ask.first], ask.least, ask.most)
     why = f"barrier from {ask.first!r} to {ask.second!r} {why}" if why else ""

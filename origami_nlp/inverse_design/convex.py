@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, balances, bounded
+from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, bounded
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
@@ -109,7 +109,8 @@ class ConvexDesign:
         t = self.targets
         kind = SpringRows(t.free, t.kinds).kind
         touching = {contact for j, contact in self.touching if j == i}
-        pieces = balances(standing(t, i), kind, touching, self.loose)
+        state = standing(t, i)
+        pieces = [Balance(state.on(tuple(p)), kind, touching, self.loose) for p in state.pieces]
         if len(pieces) > MOST_PIECES:
             many = f"{len(pieces)} smooth pieces of the feasible set meet there"
             raise OptionError(f"state {name!r}: {many}, {MOST_PIECES} are the most")
@@ -187,27 +188,16 @@ class ConvexDesign:
 def reach_of_multipliers(balance: Balance, torque: float, slope: float) -> float:
     """Return how large the multipliers that a balance leaves free can be: 0 where there are none.
 
-    Parameters
-    ----------
-    balance
-        Of a state.
-    torque, slope
-        Largest norms of the torques [N m] and of their slopes [N m/rad] of all creases, in the unit of the problem.
-
-    Returns
-    -------
-    float
-        A bound of each.
+    torque, slope: largest norms of the torques [N m] and of their slopes [N m/rad] of all creases, in its unit.
     """
     if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
         lam = np.linalg.norm(balance.to_closure, 2) * torque
         bent = slope + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
         values = balance.lost_modes[0]
         return float(ROOM * bent / min(values[-1], -values[0]))
-    if balance.free:
-        along = balance.stratum.slopes @ balance.kernel
-        return float(ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1])
-    return 0.0
+    along = balance.stratum.slopes @ balance.kernel
+    least = np.linalg.svd(along, compute_uv=False).min(initial=math.inf)
+    return float(ROOM * torque / least)
 
 
 def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
@@ -263,16 +253,15 @@ def _active(posed: ConvexDesign) -> tuple[list[np.ndarray], list[np.ndarray]]:
     v, places, t = posed.answer.v, posed.places, posed.targets
     k, tau, size = v[places.stiffness], v[places.torque], posed.problem.size
     bounds = t.rest if isinstance(t.preload, bool) else ()
+    kinds = range(len(k))
     rest = [
         _row(size, (places.torque.start + j, 1.0), (places.stiffness.start + j, -bound))
-        for j in range(len(k))
-        for bound in bounds
+        for j, bound in itertools.product(kinds, bounds)
         if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]
     ]
     stiffness = [
         _row(size, (places.stiffness.start + j, 1.0), (places.scale, -bound))
-        for j in range(len(k))
-        for bound in t.stiffness
+        for j, bound in itertools.product(kinds, t.stiffness)
         if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]
     ]
     return rest, stiffness

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.kkt import State, Stratum
+from origami_nlp.kkt import Stratum
 from origami_nlp.numerics import (
     DEFINITE,
     EQUAL,
@@ -63,18 +63,13 @@ class Springs:
         """Number of unknowns that belong to the springs."""
         return self.margin + 1
 
-    def torques(self, x: np.ndarray, kind: np.ndarray, columns: int) -> np.ndarray:
-        """Torques k x - tau of variables [n] of these kinds, linear in the unknowns, [n, columns]."""
-        out, rows = np.zeros((len(x), columns)), np.arange(len(x))
-        out[rows, self.stiffness.start + kind] = x
-        out[rows, self.torque.start + kind] = -1.0
-        return out
+    def slopes(self, kind: np.ndarray, columns: int) -> np.ndarray:
+        """Stiffness of variables [n] of these kinds, linear in the unknowns, [n, columns]."""
+        return np.eye(columns)[self.stiffness.start + kind]
 
-    def slopes(self, x: np.ndarray, kind: np.ndarray, columns: int) -> np.ndarray:
-        """Derivatives k of these torques, [n, columns]."""
-        out = np.zeros((len(x), columns))
-        out[np.arange(len(x)), self.stiffness.start + kind] = 1.0
-        return out
+    def torques(self, x: np.ndarray, kind: np.ndarray, columns: int) -> np.ndarray:
+        """Torques k x - tau of variables [n] of these kinds, [n, columns]."""
+        return x[:, None] * self.slopes(kind, columns) - np.eye(columns)[self.torque.start + kind]
 
 
 class Balance:
@@ -156,17 +151,6 @@ class Balance:
         values, vectors = np.linalg.eigh(self.kernel.T @ c @ self.kernel)
         return values, vectors
 
-    @property
-    def free(self) -> int:
-        """Number of unknowns of its own: moments, then forces w."""
-        return len(self.stratum.contacts) + self.lost.shape[1]
-
-    def gradient(self, places: Springs, columns: int) -> np.ndarray:
-        """Gradient of the energy in the metric, linear in the unknowns, [n, columns]."""
-        # a variable stands for root^2 creases, and the metric divides by root
-        torques = places.torques(self.stratum.state.x, self.kind, columns)
-        return np.asarray(self.root[:, None] * torques)
-
     def pose(self, problem: ConicProgram, places: Springs, share: float, name: str) -> slice:
         """Add the conditions to a problem.
 
@@ -186,15 +170,16 @@ class Balance:
         slice
             Where moments and forces w are.
         """
-        own = problem.more(self.free)
         r = len(self.stratum.contacts)
+        own = problem.more(r + self.lost.shape[1])
         moments, forces = (slice(own.start, own.start + r), slice(own.start + r, own.stop))
-        balance = self.gradient(places, problem.size)
+        model, x = self.stratum.state.problem, self.stratum.state.x
+        # a variable stands for root^2 creases, and the metric divides by root
+        balance = self.root[:, None] * places.torques(x, self.kind, problem.size)
         balance[:, moments] -= self.stratum.slopes.T
         # along the kernel of J alone: multipliers of closure need not be among the unknowns
         rows = _independent(self.kernel.T @ balance)
         problem.add(EQUAL, rows, np.zeros(len(rows)), f"{name} balances")
-        model, x = self.stratum.state.problem, self.stratum.state.x
         pull = np.eye(r, problem.size, moments.start)
         if r:
             push = pull.copy()
@@ -211,7 +196,7 @@ class Balance:
             along = np.einsum("pi,kpq,qj->kij", z, self.curvatures, z)
             # Z' H Z as a matrix-valued linear function of the unknowns: lam is linear in them where x is fixed
             matrix = -np.einsum("kv,kij->vij", np.vstack([lam, pull]), along)
-            matrix += np.einsum("pv,pi,pj->vij", places.slopes(x, self.kind, problem.size), z, z)
+            matrix += np.einsum("pv,pi,pj->vij", places.slopes(self.kind, problem.size), z, z)
             matrix[places.margin] -= share * np.eye(z.shape[1])
             packed = svector(matrix).T
             problem.add(DEFINITE, packed, np.zeros(len(packed)), f"{name} is stiff")
@@ -223,23 +208,6 @@ def _independent(rows: np.ndarray) -> np.ndarray:
     _, values, vt = np.linalg.svd(rows, full_matrices=False)
     rank = int((values > INDEPENDENT).sum())
     return values[:rank, None] * vt[:rank]
-
-
-def balances(
-    state: State, kind: np.ndarray, touching: Collection[Contact] = (), loose: bool = False
-) -> list[Balance]:
-    """Return the conditions of a state, one for each smooth piece of the feasible set that meets there.
-
-    Parameters
-    ----------
-    state
-        The state.
-    kind
-        Which kind of crease each variable of its model is, shape [n].
-    touching, loose
-        See `Balance`.
-    """
-    return [Balance(state.on(tuple(p)), kind, touching, loose) for p in state.pieces]
 
 
 class SpringRows:

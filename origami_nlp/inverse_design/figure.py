@@ -59,8 +59,7 @@ def draw_design(design: Design) -> Figure:
         draw_state(axes, made, phi, size=7.0)
         axes.set_title(label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color=colour)
     what = "verified" if design.verified else "NOT verified"
-    label = made.name or ("pattern" if isinstance(made, Pattern) else made.label)
-    parts[0].suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
+    parts[0].suptitle(label_text(f"{made.title}: margin {design.margin:.3g}, {what}"), fontsize=11)
     left, right, levels = parts[1].subplots(1, 3, width_ratios=(1, 1, 1.15))
     number = np.arange(1, len(made.stiffness) + 1)
     left.bar(number, made.stiffness, color=GREY, width=0.6)

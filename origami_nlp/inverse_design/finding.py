@@ -19,6 +19,7 @@ from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.targets_file import read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
 from origami_nlp.numerics import DESIGN_SNAP
+from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import find_states
 
 Progress = Callable[[str], None]
@@ -100,7 +101,7 @@ def _solved(targets: Targets) -> tuple[ConvexDesign, Passes | None]:
     best = _best(targets, passes)
     for _ in range(TOPS):
         # bounds hold at samples: a top between two of them that is too high becomes a sample
-        if not best.feasible or not passes.see(targets.posed(scene_of(best))):
+        if not best.feasible or not passes.see(pose(scene_of(best))):
             break
         best = _best(targets, passes)
     return best, passes

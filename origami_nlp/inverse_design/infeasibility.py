@@ -6,12 +6,12 @@ import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.inverse_design.convex import ConvexDesign, solve
+from origami_nlp.inverse_design.convex import ConvexDesign
 from origami_nlp.inverse_design.targets import TURNS, Targets
 from origami_nlp.numerics import SETTLED
 
@@ -56,19 +56,14 @@ class Infeasibility:
 Works = Callable[[Targets], bool]
 
 
-def works(targets: Targets) -> bool:
-    """Return whether springs hold the states of a question, whatever else is asked for."""
-    return solve(targets).feasible
-
-
-def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
+def why_not(posed: ConvexDesign, works: Works) -> Infeasibility:
     """Turn the dual of a problem without an answer into words.
 
     Parameters
     ----------
     posed
         Solved, and not feasible.
-    tried
+    works
         Returns whether a changed question has an answer.
 
     Returns
@@ -89,7 +84,7 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
     names = [t.name for t in posed.targets.states]
     states = tuple(n for n in names if any(f" {n} " in f" {words} " for words in heavy))
     bounds = tuple(w for w in heavy if not w.endswith((" balances", " is stiff")))
-    return Infeasibility(states, bounds, proof_of(posed), changes(posed.targets, tried))
+    return Infeasibility(states, bounds, proof_of(posed), changes(posed.targets, works))
 
 
 def proof_of(posed: ConvexDesign) -> str:
@@ -106,14 +101,14 @@ def proof_of(posed: ConvexDesign) -> str:
     return f"not decided: the solver ended with {a.status}"
 
 
-def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
+def changes(targets: Targets, works: Works) -> tuple[str, ...]:
     """Find changes after which springs hold the states, each tried alone.
 
     Parameters
     ----------
     targets
         A question without an answer.
-    tried
+    works
         Returns whether a changed one has one.
 
     Returns
@@ -121,60 +116,41 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
     tuple of str
         In words, with the size of the change found by bisection.
     """
-    out = []
-    steps = COARSE if targets.barriers else BISECTIONS
+    out, steps = list[str](), COARSE if targets.barriers else BISECTIONS
+
+    def helps(change: dict[str, Any]) -> bool:
+        try:
+            return works(replace(targets, **change))
+        except OrigamiError:  # one that cannot be asked has no answer
+            return False
+
+    def least(make: Callable[[float], dict[str, Any]], bad: float) -> float | None:
+        """Return the smallest factor from 1 to `bad` that helps; None if the largest does not."""
+        low, high = 1.0, bad
+        if not helps(make(high)):
+            return None
+        for _ in range(steps):
+            # geometric: factors, not differences
+            middle = math.sqrt(low * high)
+            low, high = (low, middle) if helps(make(middle)) else (middle, high)
+        return high
+
     low, high = targets.rest
     if targets.preload is False:
-        size = max(-low, high)
-
-        def wound(f: float) -> Targets:
-            far = f * size > math.pi * (1 + SETTLED)
-            return replace(targets, preload=far, rest_angles=(f * low, f * high))
-
+        size, half = max(-low, high), math.pi * (1 + SETTLED)
+        wound = lambda f: {"preload": f * size > half, "rest_angles": (f * low, f * high)}  # noqa: E731
         # springs of sheets are not wound
-        found = (_least(tried, wound, end / size, steps) for end in (TURNS, math.pi))
-        if least := next(filter(None, found), None):
-            how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
-            out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
-    low, high = targets.stiffness
-
-    def wider(f: float) -> Targets:
-        return replace(targets, stiffness=(low / f, high * f))
-
-    if least := _least(tried, wider, WIDEST, steps):
-        out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
-    names = [t.name for t in targets.states] if len(targets.states) > 1 else []
-    return (
-        *out,
-        *(f"leave out state {n!r}" for n in names if _works(tried, partial(without, targets, n))),
-    )
-
-
-def _least(tried: Works, make: Callable[[float], Targets], bad: float, steps: int) -> float | None:
-    """Return the smallest factor from 1 to `bad` that works, by bisection; None if the largest does not."""
-    low, high = 1.0, bad
-    if not _works(tried, partial(make, high)):
-        return None
-    for _ in range(steps):
-        # geometric: factors, not differences
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if _works(tried, partial(make, middle)) else (middle, high)
-    return high
-
-
-def _works(tried: Works, make: Callable[[], Targets]) -> bool:
-    """Return whether a changed question has an answer; one that cannot be asked has none."""
-    try:
-        return tried(make())
-    except OrigamiError:
-        return False
-
-
-def without(targets: Targets, name: str) -> Targets:
-    """Return the question without one state, and without what is asked of its energy."""
-    return replace(
-        targets,
-        states=tuple(t for t in targets.states if t.name != name),
-        energies=tuple(g for g in targets.energies if name not in (g.first, g.second)),
-        barriers=tuple(b for b in targets.barriers if name not in (b.first, b.second)),
-    )
+        if factor := least(wound, TURNS / size) or least(wound, math.pi / size):
+            how = " (preload = true)" if factor * size > half else ""
+            out.append(f"let rest angles reach {math.degrees(factor * size):.4g} deg{how}")
+    soft, stiff = targets.stiffness
+    if factor := least(lambda f: {"stiffness": (soft / f, stiff * f)}, WIDEST):
+        out.append(f"let stiffness range from {soft / factor:.4g} to {stiff * factor:.4g} N m/rad")
+    for name in [t.name for t in targets.states] if len(targets.states) > 1 else []:
+        left: dict[str, Any] = {"states": tuple(t for t in targets.states if t.name != name)}
+        for key in ("energies", "barriers"):
+            asks = getattr(targets, key)
+            left[key] = tuple(a for a in asks if name not in (a.first, a.second))
+        if helps(left):
+            out.append(f"leave out state {name!r}")
+    return tuple(out)

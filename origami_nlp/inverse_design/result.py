@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from origami_nlp.display import (
-    Details,
     Report,
     Section,
     Words,
@@ -19,8 +18,6 @@ from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Pattern, Scene
-
-MARGIN = "margin: smallest stiffness of a free motion, and moment of a loaded contact per rad, over the mean"
 
 
 @dataclass(frozen=True)
@@ -95,14 +92,11 @@ class ExtraMinimum:
         Of the minimum.
     fold_angles
         All N [rad].
-    image
-        Of which state it is an image, under a symmetry that geometry and springs happen to share; else "".
     """
 
     energy: float = field(metadata=shown("energy", "J", ".5g"))
     kind: str = field(metadata=shown("kind"))
     fold_angles: tuple[float, ...] = field(metadata=shown("fold angles", "rad", ".2f"))
-    image: str = field(default="", metadata=shown("image of"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -212,6 +206,3 @@ class Design(Report):
             yield from known.open_lines()
         if self.minima and not (known and known.proved):
             yield from self.minima.search.open_lines()
-        solver = f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}"
-        proof = known.report_sections() if known else ()
-        yield Details((Words(MARGIN), Words(solver), *proof), "Margin, solver, search")

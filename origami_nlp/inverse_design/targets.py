@@ -27,7 +27,6 @@ from origami_nlp.pattern_problem import pose
 
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
-INFINITE = ((math.inf, math.inf), (-math.inf, -math.inf))
 FAR = 0.1
 """Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
 2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
@@ -84,7 +83,7 @@ class EnergyBounds:
         bounds = (self.least, self.most)
         if any(isinstance(v, bool) or not isinstance(v, Real) for v in bounds):
             raise OptionError(f"{who}: {shown(bounds)} must be numbers [J]")
-        if not self.least <= self.most or bounds in INFINITE:
+        if not self.least <= self.most or self.least == math.inf or self.most == -math.inf:
             raise OptionError(f"{who}: [{self.least:g}, {self.most:g}] must be least <= most [J]")
 
 
@@ -168,20 +167,14 @@ class Targets:
         if isinstance(stated, Vertex):
             stated = Scene(stated, (1.0,) * stated.degree, (0.0,) * stated.degree, "none")
         if isinstance(stated, Scene):
-            refuse(
-                "vertex",
-                {"equal": "its symmetry says which springs are equal"},
-                equal=equal or None,
-            )
+            why = {"equal": "its symmetry says which springs are equal"}
+            refuse("vertex", why, equal=equal or None)
             n = stated.degree
             plain = {"stiffness": (1.0,) * n, "rest_angles": (0.0,) * n, "preload": (), "loads": ()}
             return replace(stated, **plain)  # type: ignore[arg-type]
         check_type("origami", stated, Pattern)
-        refuse(
-            "pattern",
-            {"preload": "its springs rest within [-pi, pi]"},
-            preload=self.preload or None,
-        )
+        why = {"preload": "its springs rest within [-pi, pi]"}
+        refuse("pattern", why, preload=self.preload or None)
         if equal not in ("", "letters") and (
             isinstance(equal, str) or len(equal) != stated.creases
         ):
@@ -200,11 +193,7 @@ class Targets:
     @cached_property
     def model(self) -> Any:
         """The problem with the symmetry, of equal springs."""
-        return self.posed(self.origami)
-
-    def posed(self, made: Scene | Pattern) -> Any:
-        """Return the problem of the same vertex or pattern with some springs."""
-        return pose(made)
+        return pose(self.origami)
 
     def made(self, stiffness: np.ndarray, torque: np.ndarray) -> Scene | Pattern:
         """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
@@ -279,12 +268,6 @@ def place(model: Any, target: Target) -> ClosedTarget:
     who = f"state {target.name!r}"
     many = len(model.expand(np.zeros(model.size)))
     phi = check_angles(f"{who}: fold_angles", target.fold_angles, many, one=True)
-    k = int(np.abs(phi).argmax())
-    if abs(phi[k]) > math.pi + FAR:
-        raise OptionError(
-            f"{who}: fold_angles[{k + 1}] = {phi[k]:.6g} rad is beyond +-pi: facets would intersect"
-            + ("; degrees are given as fold_angles_deg" if abs(phi[k]) > 2 * math.pi else "")
-        )
     x = model.reduce(phi)
     broken = float(np.abs(model.expand(x) - phi).max())
     if broken > DESIGN_SNAP:
@@ -292,12 +275,12 @@ def place(model: Any, target: Target) -> ClosedTarget:
             f"{who}: fold angles break the symmetry {model.symmetry} by {math.degrees(broken):.3g} deg: "
             "write [model] symmetry = 'none'"
         )
-    beyond = -model.fold_limits.room(x)
-    if beyond.max() > FAR:
-        raise OptionError(
-            f"{who}: a fold angle of {math.degrees(x[int(beyond.argmax())]):.6g} deg is beyond its stop by "
-            f"{math.degrees(beyond.max()):.3g} deg"
+    k = int((beyond := -model.fold_limits.room(x)).argmax())
+    if beyond[k] > FAR:
+        far = (
+            f"{math.degrees(x[k]):.6g} deg is beyond its limit by {math.degrees(beyond[k]):.3g} deg"
         )
+        raise OptionError(f"{who}: a fold angle of {far}; degrees are given as fold_angles_deg")
     x = model.fold_limits.clip(x)
     near, residual = project(model, x)
     # what is typed holds contacts to a few digits: they are closed exactly, where that is near enough
@@ -307,18 +290,14 @@ def place(model: Any, target: Target) -> ClosedTarget:
         if left <= CLOSURE_TOL and np.abs(held - near).max() <= 2 * DESIGN_SNAP:
             near, residual = held, left
     if residual > CLOSURE_TOL:
-        raise OptionError(
-            f"{who}: no closed state nearby (closure {residual:.1e}): check the fold angles"
-        )
+        raise OptionError(f"{who}: no closed state nearby (closure {residual:.1e})")
     state = State(model, near)
     if state.refused:
         raise OptionError(f"{who} is not admissible: {state.refused}")
     moved = float(np.abs(model.expand(near) - phi).max())
     if moved > FAR:
-        raise OptionError(
-            f"{who} does not close: the closed state found nearby is {math.degrees(moved):.3g} deg away, "
-            f"more than {math.degrees(FAR):.3g}: check the fold angles"
-        )
+        near_by = f"the closed state found nearby is {math.degrees(moved):.3g} deg away"
+        raise OptionError(f"{who} does not close: {near_by}, more than {math.degrees(FAR):.3g}")
     return ClosedTarget(target, state, moved)
 
 

@@ -214,24 +214,20 @@ class Passes:
             out += [] if p is None else self._pass(pair, p)
             top = self.tops[pair] if p is None else [self.ways[pair].states[p]]
             for ask in asks:
-                start = self.springs.energy(self._start(pair, ask))
+                start = self.springs.energy(self.ways[pair].states[-(ask.first != pair[0])])
                 rises = np.array([self.springs.energy(x) - start for x in top])
                 words = f"barrier from {ask.first} to {ask.second}"
                 least = ask.least if ask.least > 0.0 else -math.inf
                 out += bounded(rises, scale, least, ask.most, words)
         return out
 
-    def _start(self, pair: Pair, ask: EnergyBounds) -> np.ndarray:
-        """Return the end of a way at which a barrier begins."""
-        x: np.ndarray = self.ways[pair].states[0 if ask.first == pair[0] else -1]
-        return x
-
     def see(self, model: PatternProblem) -> bool:
         """Note the tops of ways between samples that are too high in a scene; False where all are low enough."""
         new = False
         for pair, asks in self.asks.items():
             top, x = height(model, self.ways[pair])
-            rises = [top - float(model.energy(self._start(pair, ask))) for ask in asks]
+            starts = [self.ways[pair].states[-(ask.first != pair[0])] for ask in asks]
+            rises = [top - float(model.energy(x)) for x in starts]
             if any(r > a.most * (1 + LEVEL) for r, a in zip(rises, asks, strict=True)):
                 self.tops[pair].append(x)
                 new = True

@@ -1,12 +1,11 @@
-from .atlas import Atlas as Atlas
 from .boundary import (
     BifurcationSet as BifurcationSet,
     CurvePoint as CurvePoint,
     EventCurve as EventCurve,
+    Plane as Plane,
     find_bifurcation_set as find_bifurcation_set,
 )
 from .driver import Driver as Driver, OwnForces as OwnForces
-from .event_curve import Plane as Plane
 from .family import (
     Family as Family,
     family_of as family_of,
@@ -15,7 +14,6 @@ from .family import (
 from .figure import draw_boundaries as draw_boundaries, draw_path as draw_path
 from .interactive import view_path as view_path
 from .load import load_path as load_path
-from .load_result import LoadPath as LoadPath
 from .parameter_range import (
     ParameterRange as ParameterRange,
     parse_parameter_range as parse_parameter_range,
@@ -29,5 +27,5 @@ from .records import (
     SearchCheck as SearchCheck,
     Snap as Snap,
 )
-from .result import Path as Path
+from .result import Atlas as Atlas, LoadPath as LoadPath, Path as Path
 from .survey import follow as follow, follow_family as follow_family

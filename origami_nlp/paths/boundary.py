@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_until, check_whole
-from origami_nlp.continuation import SpecialPoint
+from origami_nlp.continuation import EventPoint, EventTracer, Line, SpecialPoint
 from origami_nlp.display import Report, Section, Words, shown
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, NONZERO, SAMPLED, STATIONARY
-from origami_nlp.paths.event_curve import EventPoint, EventTracer, Plane
-from origami_nlp.paths.family import with_generic_symmetry
+from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import Interval
 from origami_nlp.paths.result import listed
 from origami_nlp.paths.survey import follow_family
 from origami_nlp.pattern import Scene, as_scene
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact
 
 FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
@@ -217,6 +218,31 @@ def find_bifurcation_set(
     return unless_stopped(BifurcationSet(scene, (a, b), *what), stopped)
 
 
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Scenes that differ from one in two parameters."""
+
+    scene: Scene
+    parameters: tuple[ParameterRange, ParameterRange]
+
+    @cached_property
+    def _like(self) -> PatternProblem:
+        """Whose scale and numbers of contacts all problems of the plane take."""
+        return pose(self.scene)
+
+    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
+        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
+        along, other = self.parameters[axis], self.parameters[1 - axis]
+        made = family_of(self.scene, along, other, at=[value])
+        return replace(made, like=self._like, samples=samples)
+
+    def line(self, axis: int, share: float) -> tuple[Line, float, float]:
+        """Return the line over one parameter at a share of the other, where its range begins and how long it is."""
+        low, high = self.parameters[axis].ends
+        other = self.parameters[1 - axis].at_share(share)
+        return self.family(other, axis, 2).line, low, high - low
+
+
 class _Map:
     """Curves and counted lines in a plane, as far as they are known."""
 
@@ -237,7 +263,7 @@ class _Map:
                 return
             t = plane.parameters[1 - axis].at_share(share)
             family = plane.family(t, axis)
-            atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
+            atlas = follow_family(family, until=self.until, **search)  # type: ignore[arg-type]
             if atlas.stopped:
                 raise KeyboardInterrupt
             met = sorted(self._events(atlas.web, axis, share))
@@ -256,7 +282,7 @@ class _Map:
             systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
             for hold, contact in systems:
-                tracer = EventTracer(plane, hold, contact, len(state), axis)
+                tracer = EventTracer(plane.line, hold, contact, len(state), axis)
                 first = tracer.at(share, state)
                 if first is None or abs(first.x[axis] - share[axis]) > NEAR_SINGULAR_TOL:
                     continue

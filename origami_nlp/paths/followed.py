@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -12,17 +11,15 @@ import numpy as np
 from origami_nlp.continuation import (
     AGAIN,
     LATE,
-    START,
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
     Line,
-    SpecialPoint,
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import contact_forces
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import SETTLED, rank
+from origami_nlp.numerics import rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.pattern_states import judge
@@ -53,10 +50,6 @@ class FollowedDiagram(BifurcationDiagram):
         super().__init__(line, *parameter.ends, **options)
         self.parameter, self.cut = parameter, False
         self._kinds, self._points = dict[int, tuple[str, str]](), dict[Equilibrium, r.PathPoint]()
-
-    def across(self, frame: Equilibrium) -> float:
-        """Return the smallest stiffness of a state across its symmetry; nan where it keeps none that is imposed."""
-        return math.nan
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy of a state at all fold angles, and what else its point has."""
@@ -94,19 +87,10 @@ class FollowedDiagram(BifurcationDiagram):
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
             multipliers=contact_forces(frame.seen, frame.hold) if frame.hold else (),
-            eigenvalue=least_eigenvalue(frame),
-            full_space_eigenvalue=math.nan if self.cut else self.across(frame),
+            eigenvalue=self.line.problem.scale * float(min(frame.eigenvalues, default=math.nan)),
             **self.seen_as(frame, phi),
         )
         return self._points.setdefault(frame, found)
-
-    def frames_at(self, s: float, saddles: bool = True) -> list[Equilibrium]:
-        """Return the states of all arcs at s, and those of s alone, each once where arcs meet."""
-        out: list[Equilibrium] = []
-        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
-            if (saddles or not frame.index) and nearest(out, frame.state) > SETTLED:
-                out.append(frame)
-        return out
 
     def listed_at(self, value: float) -> tuple[JudgedState, ...]:
         """Return the states of all branches at one value of the parameter, judged there."""
@@ -118,17 +102,6 @@ class FollowedDiagram(BifurcationDiagram):
         # ties (mirror images of one another) in a fixed order
         scale = self.line.problem.scale
         return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))
-
-    def split(self, k: int, frame: Equilibrium) -> int:
-        """Make a state on an arc a node, and return its number."""
-        arc, number = self.arcs[k], len(self.nodes)
-        forward = arc.frames[-1].s > arc.frames[0].s
-        before = [f for f in arc.frames if (f.s < frame.s) == forward and f.s != frame.s]
-        after = arc.frames[len(before) + (arc.frames[len(before)].s == frame.s) :]
-        self.nodes.append(SpecialPoint(START, frame.x))
-        self.arcs[k] = replace(arc, frames=(*before, frame), end=number)
-        self.arcs.append(replace(arc, frames=(frame, *after), start=number))
-        return number
 
     def _event(self, number: int, at: int) -> r.PathEvent:
         node, arcs = self.nodes[at], enumerate(self.arcs, start=1)
@@ -162,16 +135,6 @@ class FollowedDiagram(BifurcationDiagram):
         begins, ends = (": ".join(filter(None, (node.type, node.why))) for node in both)
         t = points[0].t, points[-1].t
         return r.PathBranch(k + 1, t, kind, arc.index, why, points, (begins, ends))
-
-
-def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
-    """Return how far the nearest of some states is; inf of none."""
-    return min((float(np.abs(f.state - x).max()) for f in frames), default=math.inf)
-
-
-def least_eigenvalue(frame: Equilibrium) -> float:
-    """Return the smallest eigenvalue of the reduced Hessian [N m/rad]; nan where nothing can move."""
-    return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
 
 
 def kind_of(arc: BranchSegment, judged: bool = True) -> tuple[str, str]:

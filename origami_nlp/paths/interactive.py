@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.display import Content, Keyframe, Poser, Trajectory, join_states
-from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.records import PathPoint
-from origami_nlp.paths.result import Path
+from origami_nlp.paths.result import Atlas, Path
 
 STEPS = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
 
@@ -26,7 +25,7 @@ def view_path(path: Path) -> Content:
     Returns
     -------
     Content
-        Stations: events, and the states after snaps.  Tracks: each stretch of a curve on which the parameter runs one
+        Stations: events.  Tracks: each stretch of a curve on which the parameter runs one
         way.
     """
     over, tracks = path.parameter, list[Trajectory]()
@@ -40,8 +39,10 @@ def view_path(path: Path) -> Content:
     def view(p: PathPoint) -> Any:
         return posed(p.t).view(p.fold_angles)
 
-    seen = [(s, s.point, (s.note,) if s.note else ()) for s in path.stations]
-    stations = tuple(Keyframe(s.title, folded(p), view(p), lines=lines) for s, p, lines in seen)
+    stations = list[Keyframe]()
+    for e in path.events:
+        p, title = path.point_of(e), f"event {e.id}: {e.words()} at {over.shown(e.t, 9)}"
+        stations.append(Keyframe(title, folded(p), view(p), lines=(e.note,) * bool(e.note)))
     for curve in path.curves:
         t = np.array([p.t for p in curve.points])
         steps = np.sign(np.diff(t))
@@ -55,5 +56,5 @@ def view_path(path: Path) -> Content:
                 states, middle = [folded(p) for p in points], points[len(points) // 2]
                 tracks.append(join_states(title, states, view(middle), drawn, over.axis))
     body = posed(over.low).body
-    shown = stations, tuple(tracks), tuple(path.report_sections()), STEPS
+    shown = tuple(stations), tuple(tracks), tuple(path.report_sections()), STEPS
     return Content(path.origami_at(over.low).title, body, *shown)

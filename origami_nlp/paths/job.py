@@ -24,8 +24,8 @@ from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coa
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.followed import FollowedDiagram
-from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.result import LoadPath
 from origami_nlp.search import TRUST, descent_path
 
 STEP = EPS ** (1 / 3)
@@ -107,8 +107,9 @@ class FollowedLoad(FollowedDiagram):
 
     def stage(self, hinges: Any) -> FollowedLoad:
         """Return a stage of a path with hinges that yield."""
-        given = self.driver, self.parameter, self.steps, self.state
-        return FollowedLoad(*given, hinges, self.record)
+        return FollowedLoad(
+            self.driver, self.parameter, self.steps, self.state, hinges, self.record
+        )
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return what the load works on, and the energy without it."""
@@ -154,9 +155,7 @@ class FollowedLoad(FollowedDiagram):
             forward = arc.start == node
             frames += arc.frames[:: 1 if forward else -1][bool(frames) :]
             node = arc.end if forward else arc.start
-        meet = [
-            a.frames[0 if a.start == node else -1] for a in self.arcs if node in (a.start, a.end)
-        ]
+        meet = [a.frames[-(a.start != node)] for a in self.arcs if node in (a.start, a.end)]
         frames = frames or [f for f in meet if not f.index][:1]
         return Run(self, tuple(frames), node, why, toward) if frames else None
 
@@ -170,14 +169,11 @@ class FollowedLoad(FollowedDiagram):
 
     def _onward(self, node: int, arc: int, toward: float) -> list[int]:
         """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
-        at = self.nodes[node].s
-        every = [k for k, a in enumerate(self.arcs) if node in (a.start, a.end)]
-        every = [k for k in every if k != arc and not self.arcs[k].index]
-        return [k for k in every if (self._far(k, toward) - at) * toward > 0]
-
-    def _far(self, arc: int, toward: float) -> float:
-        """The end of an arc that lies farthest in a direction."""
-        return self.arcs[arc].high if toward > 0 else self.arcs[arc].low
+        at, found = self.nodes[node].s, list[int]()
+        for k, a in enumerate(self.arcs):
+            if k != arc and not a.index and node in (a.start, a.end):
+                found += [k] if ((a.high if toward > 0 else a.low) - at) * toward > 0 else []
+        return found
 
     def _why(self, node: int, end: float) -> str:
         found = self.nodes[node]
@@ -333,14 +329,16 @@ class FollowedLoad(FollowedDiagram):
             same = next((group for group in groups if self._one(group[0], e)), None)
             groups.append([e]) if same is None else same.append(e)
         groups.sort(key=lambda group: group[0].t)
-        meet = [tuple(sorted({b for e in group for b in e.branches})) for group in groups]
-        each = enumerate(zip(groups, meet, strict=True), start=1)
-        return [replace(group[0], id=k, branches=branches) for k, (group, branches) in each]
+        return [
+            replace(group[0], id=k, branches=tuple(sorted({b for e in group for b in e.branches})))
+            for k, group in enumerate(groups, start=1)
+        ]
 
     def _one(self, a: r.PathEvent, b: r.PathEvent) -> bool:
         """Whether two events are images under the symmetry."""
-        apart = abs(a.t - b.t) > SETTLED * (self.parameter.high - self.parameter.low)
-        if apart or a.type != b.type:
+        if a.type != b.type or abs(a.t - b.t) > SETTLED * (
+            self.parameter.high - self.parameter.low
+        ):
             return False
         near = NEAR_SINGULAR_TOL if a.type == "branching" else SETTLED
         images = self.driver.images(np.array(a.fold_angles))
@@ -352,8 +350,7 @@ class FollowedLoad(FollowedDiagram):
         points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
             phi = self.line.problem.expand(node.point[:-1])
-            more = {"multipliers": (), **self.seen_as(first, phi)}
-            more |= dict.fromkeys(("eigenvalue", "full_space_eigenvalue"), math.nan)
+            more = {"multipliers": (), "eigenvalue": math.nan, **self.seen_as(first, phi)}
             points.append(r.PathPoint(node.s, tuple(phi.tolist()), **more))
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
@@ -405,8 +402,8 @@ def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:
     """Follow the energy downhill along states in which no facets cross; where to, and why that is no minimum."""
     try:
         found = descent_path(problem, start, longest=TRUST)
-    except np.linalg.LinAlgError:  # a ValueError as well
-        raise
     except ValueError as refused:
+        if isinstance(refused, np.linalg.LinAlgError):
+            raise
         return start, str(refused)
     return found.end, "" if found.arrives else UNTOLD

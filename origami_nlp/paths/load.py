@@ -11,8 +11,8 @@ from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
 from origami_nlp.paths.driver import driver_of
 from origami_nlp.paths.job import CUT, FollowedLoad
-from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.result import LoadPath
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
 from origami_nlp.pattern import Stated, as_origami
 from origami_nlp.pattern_problem import Work

@@ -61,10 +61,9 @@ class YieldingHinges:
         OptionError
             If a hinge bears more than its yield torque there, or has a law in place of a spring.
         """
-        scene, stated = driver.scene, driver.origami
+        stated = driver.origami
         k, none = np.array(stated.stiffness, float), np.zeros(len(stated.stiffness))
-        rest = np.array(scene.rest_angles if scene else stated.rest, float)
-        preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
+        rest, preload = np.array(stated.rest, float), none + np.array(stated.preload or 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
         hinges = YieldingHinges(most, k, rest, preload, none, none + np.nan)
         borne = np.abs(hinges.torque(phi))

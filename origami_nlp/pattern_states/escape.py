@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -58,8 +57,7 @@ def with_escapes(
     alone = [k for k, s in enumerate(minima) if not s.local_dimension]
     known |= {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in alone}
     heights = traced.heights() * problem.scale
-    own: Any = {"labels": problem.labels, "moves": problem.moves}
-    found = iter(find_escapes(problem, at, known, heights=heights, most=most, **own))
+    found = iter(find_escapes(problem, at, known, heights, most))
 
     def told(e: Escape) -> Escape:
         return replace(e, top=tuple(problem.expand(np.array(e.top)).tolist())) if e.top else e

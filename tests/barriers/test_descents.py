@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.graph import PROVED
+from origami_nlp.barriers.find import PROVED
 from origami_nlp.pattern_problem import pose
 from tests.independent.links import corners, crosses
 

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
-from origami_nlp.barriers.graph import STOPPED
+from origami_nlp.barriers.find import STOPPED
 from origami_nlp.pattern import double_well, linear, sum_of, well
 from tests.computed_once import thinned
 from tests.independent import scan_four

@@ -8,7 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.barriers import Known
-from origami_nlp.barriers.graph import RIGID
+from origami_nlp.barriers.find import RIGID
 from origami_nlp.errors import Interrupted
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import as_pattern

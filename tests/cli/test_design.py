@@ -57,7 +57,7 @@ BAD = [
     (VERTEX + A.replace("27.27", '"x"'), "fold_angles_deg[1]"),
     (VERTEX + A.replace("27.27, ", ""), "3 fold angles"),
     (VERTEX + A.replace("_deg", ""), "fold_angles_deg"),
-    (VERTEX + A.replace("104.22", "204.22"), "fold_angles[4]"),
+    (VERTEX + A.replace("104.22", "204.22"), "beyond its limit"),
     (VERTEX + A.replace("-27.353", "60"), "'a' does not close"),
     (GOOD.replace("sector_angles_deg", "sector_angles"), "sector_angles[1]"),
     (LIKE.format("no.json#1"), "No such file"),

@@ -11,8 +11,6 @@ import pytest
 from origami_nlp import State, classify, examples, find_minima
 from origami_nlp.continuation import BifurcationDiagram, load_line
 from origami_nlp.continuation.diagram import STEPS
-from origami_nlp.continuation.one_sided_branches import touches
-from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.kkt import project
 from origami_nlp.pattern_problem import pose
 from origami_nlp.search import descent_path
@@ -143,15 +141,3 @@ def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
     (again,) = events(back)
     assert again.located and again.s == pytest.approx(event.s, abs=1e-11)
     assert len(back.states_at(math.log(3.19))) == 1 and len(back.states_at(math.log(3.49))) == 2
-
-
-def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
-    web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)
-    arc = next(a for a in web.arcs if a.frames[1].hold)
-    frame = arc.frames[-1]
-    assert touches(frame)
-    # the other way round the creases lie off these facets: in their planes at most
-    other = next(a for a in web.arcs if a.frames[1].hold != arc.frames[1].hold and a.frames[1].hold)
-    assert not touches(
-        replace(other.frames[-1], system=BorderedSystem(web.line, other.frames[-1].x, frame.hold))
-    )

@@ -76,7 +76,7 @@ def largest(posed):
             bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
             values = balance.lost_modes[0]
             size[where] = ROOM * bent / min(values[-1], -values[0])
-        elif balance.free:
+        elif len(balance.stratum.contacts):
             along = balance.stratum.slopes @ balance.kernel
             size[where] = ROOM * torque / np.linalg.svd(along)[1][-1]
     return size

@@ -10,7 +10,6 @@ import origami_nlp as o
 from origami_nlp.inverse_design import (
     design,
     parse_targets,
-    read_targets,
     scene_of,
     solve,
 )
@@ -110,18 +109,6 @@ def _between(found, count):
         x, left = project(model, x, frozen=np.arange(model.size) == 1)
         assert left < 1e-10
         yield model.energy(x)
-
-
-def test_a_file_of_targets_is_a_question(tmp_path):
-    """`design` of a path asks what the file asks, under its name; what is no file of targets is refused by name."""
-    file = tmp_path / "targets.toml"
-    file.write_text(EXAMPLES["switch"].split("[[barriers]]")[0])
-    found, asked = o.design(file), read_targets(file)
-    assert asked.origami.name and found.scene.name == asked.origami.name
-    with pytest.raises(o.OrigamiError, match=r"nowhere\.toml"):
-        o.design("nowhere.toml")
-    with pytest.raises(o.OrigamiError, match="targets"):
-        o.design(3)
 
 
 def test_states_are_like_those_of_an_earlier_run(tmp_path):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import EnergyBounds, Target, Targets, scene_of, solve
 from origami_nlp.pattern_problem import PatternProblem
 from tests.patterns import scene_pattern
@@ -94,10 +93,3 @@ def test_creases_of_one_letter_may_have_equal_springs():
         assert (
             np.ptp(made.stiffness[letters == letter]) == 0 == np.ptp(made.rest[letters == letter])
         )
-
-
-@pytest.mark.parametrize("wrong", [{"preload": True}, {"equal": (1, 2)}])
-def test_what_is_not_for_a_pattern_is_named(wrong):
-    pattern = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4))
-    with pytest.raises(OptionError, match=f"^{next(iter(wrong))} = "):
-        Targets(pattern, (Target("flat", (0.0,) * 4),), **wrong)

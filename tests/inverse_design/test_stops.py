@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError, SceneError
-from origami_nlp.inverse_design import Target, Targets, parse_targets
+from origami_nlp.inverse_design import Target, Targets
 from origami_nlp.kkt import project
-from origami_nlp.pattern import tapered_limit
 from origami_nlp.pattern_problem import pose
 from tests.independent import scan_four
 
@@ -83,17 +81,3 @@ def test_states_on_stops_are_held(count):
         # it presses: springs that only balance there would hold it without the stop as well
         assert first.contacts[0].multiplier > 0
     assert made >= count / 2
-
-
-def test_stops_are_stated_in_files():
-    text = (
-        "[vertex]\nsector_angles_deg = [70, 80, 120, 90]\n[creases]\n{}\n[[states]]\nname = 'one'\n"
-    )
-    text += "fold_angles_deg = [106.928, -41.254, 115.0, 42.712]\n"
-    made = parse_targets(text.format("thickness_mm = 6\ntaper_mm = 10"))
-    limits = made.made(np.ones(4), np.zeros(4)).limit_angles
-    assert np.allclose(np.abs(limits), tapered_limit(6.0, 10.0))
-    with pytest.raises(OptionError, match="115 deg is beyond its stop by 15 deg"):
-        o.design(parse_targets(text.format("limits_deg = [-60, 100]")))
-    with pytest.raises(SceneError):
-        parse_targets(text.format("thickness_mm = 6"))

@@ -7,18 +7,13 @@ import pytest
 
 import origami_nlp as o
 from benchmarks import random_vertex
-from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.minima import judge_in_full_space
+from origami_nlp.errors import OptionError
 from origami_nlp.paths import (
-    Family,
     draw_path,
-    family_of,
     follow,
-    follow_family,
-    parse_parameter_range,
 )
 
-TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
+TYPES = "fold nonsmooth-fold closes leaves branching singular".split()
 
 
 def generic(seed, degree):
@@ -120,47 +115,6 @@ def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     assert np.polyfit(apart, size, 2)[-1] == pytest.approx(0, abs=1e-4)
 
 
-@pytest.mark.slow  # a survey of several seconds
-def test_a_symmetry_that_is_lost_is_located():
-    """On one side of the event the state is stable in the full space, on the other it is not."""
-    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-2.2:-1.8", checks=2)
-    event = next(e for e in atlas.events if e.type == "breaks-symmetry")
-    assert event.located
-    verdicts = []
-    for t in (event.t - 0.02, event.t + 0.02):
-        near = min(
-            atlas.at(t), key=lambda s: np.abs(np.subtract(s.fold_angles, event.fold_angles)).max()
-        )
-        assert near.verdict == "minimum"
-        verdicts.append(judge_in_full_space(atlas.family.scene_of(t), np.array(near.fold_angles)))
-    assert [v.verdict == "stable" for v in verdicts].count(True) == 1
-    for v in verdicts:
-        assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
-
-
-def test_families_that_jump_are_refused():
-    parameter = parse_parameter_range("alpha=50deg:70deg")
-    with pytest.raises(OptionError, match="two families"):
-        follow_family(Family(parameter, lambda t: o.examples.degree6(t, 1.0)))
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["ratio", "ratio=1", "ratio=2:1", "ratio=-1:1", "creases.stiffness[1]=0:1", "ratio+alpha=1:2"],
-)
-def test_ranges_that_are_none_are_refused(text):
-    with pytest.raises(OptionError):
-        parse_parameter_range(text)
-    with pytest.raises(AngleError):
-        parse_parameter_range("alpha=x:1")
-
-
-@pytest.mark.parametrize("name", ["colour", "creases.rest_angles[7]", "creases.stiffness[0]"])
-def test_parameters_that_a_scene_has_not_are_refused(name):
-    with pytest.raises(OptionError, match="no number"):
-        family_of(o.examples.degree6("pi/4"), parse_parameter_range(f"{name}=0.1:1"))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_the_number_of_minima_changes_only_at_events(seed):
@@ -188,28 +142,5 @@ def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
 def test_a_check_says_whether_it_is_complete():
     one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
     assert one.checks[0].complete == ""
-    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full=False)
+    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True)
     assert two.checks[0].complete == "proved"
-
-
-@pytest.mark.parametrize("text", ["ratio=a:2", "ratio=1:2:3", "ratio=nan:1", "loads=x:1"])
-def test_an_end_of_a_range_that_is_no_number_is_not_called_an_angle(text):
-    with pytest.raises(OptionError, match="must be a finite number"):
-        parse_parameter_range(text)
-
-
-def angles(frame, count):
-    return frame[[f"phi_{k}_rad" for k in range(1, count + 1)]].to_numpy()
-
-
-def test_an_atlas_has_a_row_a_point():
-    atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
-    frame = o.to_frame(atlas)
-    points = [(b, p) for b in atlas.branches for p in b.points]
-    assert len(frame) == len(points) > 4
-    assert set(frame["parameter"]) == {"ratio"} and set(frame["unit"]) == {atlas.parameter.unit}
-    for phi, row in zip(angles(frame, 6), frame.to_dict("records"), strict=True):
-        energy = o.examples.degree6("pi/4", ratio=row["t"]).energy(phi)  # from the angles alone
-        assert np.isclose(row["energy_J"], energy, rtol=1e-12, atol=0)
-        (branch,) = (b for b in atlas.branches if b.id == row["branch"])
-        assert row["kind"] == branch.kind

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError
 from origami_nlp.paths import Plane, find_bifurcation_set, follow_family
 
 
@@ -37,7 +36,7 @@ def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
     (curve,) = contact.curves
     point = curve.points[len(curve.points) // 2]
     plane = Plane(contact.scene, contact.parameters)
-    atlas = follow_family(plane.family(point.t[1]), checks=2, full=False)
+    atlas = follow_family(plane.family(point.t[1]), checks=2)
     assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
 
 
@@ -55,11 +54,6 @@ def test_a_curve_along_which_the_second_parameter_stays_is_found():
     alpha = np.degrees([p.t[1] for p in curve.points])
     assert np.ptp(alpha) < 1e-9 and alpha[0] == pytest.approx(79.1874819, abs=1e-6)
     assert curve.ends == ("range", "range")
-
-
-def test_scenes_without_a_plane_are_refused():
-    with pytest.raises(OptionError):
-        find_bifurcation_set(o.examples.degree6("pi/4"), "ratio=0.5:2", "colour=1:2")
 
 
 @pytest.mark.slow

@@ -11,8 +11,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import HingeLaw, double_well, linear, with_numbers
-from tests.computed_once import thinned
+from origami_nlp.pattern import double_well, linear
 from tests.independent import scan_four
 
 SECTORS = (70, 80, 120, 90)
@@ -24,42 +23,6 @@ def random_scene(laws=(), seed=4, **more):
     k, rest = np.exp(rng.normal(size=4)), rng.uniform(-2, 2, 4)
     vertex = Vertex.from_degrees(SECTORS)
     return Scene(vertex, tuple(k), tuple(rest), "none", laws=laws, **more)
-
-
-def wide(k, rest):
-    """A linear law that is known as far as it is shifted here."""
-    return HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + rest)),), "linear")
-
-
-def same_atlas(one, two):
-    assert [e.type for e in one.events] == [e.type for e in two.events]
-    for a, b in zip(one.events, two.events, strict=True):
-        assert np.allclose(a.fold_angles, b.fold_angles, atol=1e-7)
-    assert [len(b.points) for b in one.branches] == [len(b.points) for b in two.branches]
-    for a, b in zip(one.branches, two.branches, strict=True):
-        mine, theirs = ([p.fold_angles for p in x.points] for x in (a, b))
-        assert np.allclose(mine, theirs, atol=1e-7)
-        energies = ([p.energy for p in x.points] for x in (a, b))
-        assert np.allclose(*energies, rtol=1e-8)
-
-
-@pytest.mark.parametrize("limits", thinned([(((-1.2, 1.2),) * 4,), ((),)], 2))
-def test_a_shifted_linear_law_is_a_rest_angle(limits):
-    plain = random_scene(limits=limits)
-    laws = [wide(k, r) for k, r in zip(plain.stiffness, plain.rest_angles, strict=True)]
-    r = plain.rest_angles[1]
-    same_atlas(
-        o.follow(plain, f"rest_angles[2]={r - 0.8!r}:{r + 0.8!r}", checks=2),
-        o.follow(replace(plain, laws=tuple(laws)), "law_shift[2]=-0.8:0.8", checks=2),
-    )
-
-
-def test_a_crease_that_is_named_twice_is_changed_once():
-    law = double_well(1.0, 1.0)
-    sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
-    made = with_numbers(sheet, {"creases.law_scale": 3.0, "law_scale[1]": 3.0, "law_shift[1]": 0.0})
-    x = np.array([0.3, 0.7, -0.4, 0.2])
-    assert made.energy(x) == pytest.approx(3.0 * sheet.energy(x))
 
 
 @pytest.mark.slow  # a survey of several seconds

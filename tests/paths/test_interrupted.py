@@ -5,7 +5,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.continuation import BifurcationDiagram
 from origami_nlp.errors import Interrupted
-from origami_nlp.paths import boundary, followed
+from origami_nlp.paths import followed
 
 SCENE = o.examples.degree6("pi/3", ratio=0.3)
 
@@ -29,29 +29,13 @@ def after(monkeypatch):
 
 
 def test_follow_keeps_its_branches(after):
-    whole = o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+    whole = o.follow(SCENE, "ratio=0.2:1", checks=1)
     after(2)
     with pytest.raises(Interrupted) as stop:
-        o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+        o.follow(SCENE, "ratio=0.2:1", checks=1)
     found = stop.value.result
     assert found.interrupted and 0 < len(found.branches) <= len(whole.branches)
     assert "interrupted" in str(found) and "time limit" not in str(found)
-
-
-def test_boundaries_keep_their_curves(monkeypatch):
-    lines, follow = [], boundary.follow_family
-
-    def second(*given, **options):
-        lines.append(given)
-        if len(lines) > 1:
-            raise KeyboardInterrupt
-        return follow(*given, **options)
-
-    monkeypatch.setattr(boundary, "follow_family", second)
-    with pytest.raises(Interrupted) as stop:
-        o.find_bifurcation_set(SCENE, "ratio=0.3:0.4", "alpha=59deg:60deg", lines=2, across=0)
-    found = stop.value.result
-    assert found.interrupted and len(found.lines) == 1 and len(found.curves) == 1
 
 
 def test_a_load_path_keeps_its_legs(after):
@@ -80,7 +64,7 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
     monkeypatch.setattr(followed, "kind_of", second)
     with pytest.raises(Interrupted) as stop:
         if what == "follow":
-            o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+            o.follow(SCENE, "ratio=0.2:1", checks=1)
         else:
             o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.2, unload=True)
     found = stop.value.result

@@ -1,29 +1,19 @@
 """Load paths: snaps, hysteresis and contact events, confirmed by searches, by energy balance and from behind."""
 
 import json
-import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from benchmarks.families import full_contact
-from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
-from origami_nlp.errors import OptionError
-from origami_nlp.paths import OwnForces, family_of, parse_parameter_range
+from origami_nlp import draw, examples, format_scene, load_path
 from tests.command_line import run
 from tests.independent.rotations import fold
 from tests.paths.test_sheet_loads import work_of
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
-QUICK = {"full": False, "effort": "quick", "max_starts": 24}
 SNAP, AGAIN = -0.138149523101, -0.123882378029
 """Found by another program, with other steps: N m on crease 1."""
-PUSHED = Scene(
-    Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
-    loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
-)  # fmt: skip
 
 
 @cache
@@ -39,29 +29,6 @@ def test_the_snap_and_where_it_becomes_stable_again():
     assert not loop().alarms and not loop().driver.keeps
     for event in loop().events:
         assert event.located and max(event.residuals.kkt, abs(event.residuals.event)) < 1e-11
-
-
-def searched(path, parameter, snap):
-    """Minima that searches find beside a snap, before it and after it."""
-    onward = math.copysign(1e-3 * abs(snap.t), snap.t)
-    over = parse_parameter_range(f"{parameter}=-99:99")
-    family = family_of(replace(path.driver.origami, symmetry=path.driver.origami.group.name), over)
-    for t in (snap.t - onward, snap.t + onward):
-        yield find_minima(family.scene_of(t), prove=False, escape=False).minima
-
-
-def nearest(minima, state):
-    """How far the nearest minimum is."""
-    return min(np.abs(np.subtract(m.fold_angles, state)).max() for m in minima)
-
-
-def test_searches_on_both_sides_confirm_it():
-    """They know nothing of the path."""
-    snap = loop().snaps[0]
-    before, after = searched(loop(), "torque[1]", snap)
-    assert len(before) == len(after) + 1 == 3
-    assert nearest(before, snap.before) < 0.1 < nearest(after, snap.before)
-    assert nearest(after, snap.after) < 0.01
 
 
 def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
@@ -104,20 +71,6 @@ def test_a_state_that_is_stable_with_its_symmetry_alone_keeps_it_and_says_so():
         assert p.fold_angles[1:3] == p.fold_angles[:3:-1]
 
 
-def test_a_force_snaps_a_vertex_and_searches_on_both_sides_confirm_it():
-    path = load_path(PUSHED, effort="quick")
-    (snap,) = [s for s in path.snaps if s.type == "fold"]
-    before, after = searched(path, "loads", snap)
-    assert len(before) == len(after) + 1 and nearest(after, snap.after) < 0.01
-    assert nearest(before, snap.before) < 0.1
-    leg = max(path.legs, key=lambda leg: len(leg.points))
-    gained = leg.points[-1].energy - leg.points[0].energy
-    force = np.linalg.norm(PUSHED.loads[0].force)
-    assert force * work_of(leg.points) == pytest.approx(gained, rel=1e-3)
-    way = OwnForces(PUSHED).conjugate(np.array(leg.points[0].fold_angles))
-    assert way == pytest.approx(leg.points[0].angle, abs=1e-15)
-
-
 def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(SCENE))
@@ -133,28 +86,3 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
     assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)
     assert len(draw(loop(), tmp_path / "load.png").axes) == 3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        ({"load": 7}, "1 to 6"),
-        ({"load": None}, "no \\[\\[loads\\]\\]"),
-        ({"load": 1, "to": "far"}, "'snap'"),
-        ({"load": 1, "to": 0}, "other than 0"),
-        ({"load": 1, "to": 0.01, "seconds": 0.0}, "time was over"),
-        ({"load": 1, "to": 0.01, "state": 9}, "state"),
-    ],
-)
-def test_bad_arguments_are_refused_by_name(arguments, word):
-    with pytest.raises(OptionError, match=word):
-        load_path(SCENE, **arguments, max_starts=16)
-
-
-def test_beside_the_flat_state_a_search_finds_the_state_of_the_path():
-    path = load_path(full_contact(0), 1)
-    (snap,) = path.snaps
-    assert snap.type == "flat state"
-    before, after = searched(path, "torque[1]", snap)
-    assert nearest(before, 0.0 * np.array(snap.after)) < 0.1 < np.abs(snap.after).max()
-    assert nearest(after, snap.after) < 0.01

@@ -8,7 +8,6 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
@@ -128,13 +127,6 @@ def test_a_path_stops_where_the_sheet_is_flat():
     assert found.refuted
 
 
-def test_a_path_stops_where_all_creases_shut_at_once():
-    pattern, start = folded_miura(2, 3)
-    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    path = o.load_path(pattern, i + 1, to=-40.0, state=start)
-    assert "close at once" in path.legs[0].why and not path.snaps
-
-
 def test_springs_take_up_the_work_of_the_load():
     pattern, start = folded_miura(3, 4)
     for work in (
@@ -208,48 +200,7 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
         assert (judge(under, start.phi).verdict == "minimum") == good
 
 
-def test_vertices_that_lie_on_each_other_have_no_pull():
-    pattern, start = folded_cross()
-    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
-    one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
-    with pytest.raises(OptionError, match="lie on each other"):
-        o.load_path(pattern, Pull(pattern, (one, two)), state=start)
-
-
-def test_a_pull_knows_no_facet_that_is_held():
-    """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
-    pattern, start = folded_miura(4, 4)
-    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
-    for a, b in ((0, 24), (24, 0), (3, 21)):
-        far = float(Pull(pattern, (a, b)).conjugate(start.phi))
-        assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
-
-
 # ---------------------------------------------------------------- whoever states it, however
-
-
-def test_what_is_refused_is_named():
-    pattern, start = folded_miura(3, 3)
-    flat = judge(PatternProblem(miura(3, 3)), np.zeros(12))
-    for load, options, word in (
-        (0, {}, "crease"),
-        (13, {}, "crease"),
-        ([], {}, "empty"),
-        ([1, 1], {}, "twice"),
-        (1, {"to": "far"}, "to"),
-        (1, {"to": 0}, "to"),
-        (1, {"state": 0}, "state"),
-        (1, {"state": flat}, "flat"),
-        (Torque(miura(2, 2), (1,)), {}, "another pattern"),
-    ):
-        with pytest.raises(OptionError, match=word):
-            o.load_path(pattern, load, **{"state": start, **options})
-    with pytest.raises(OptionError, match="one facet"):
-        Pull(pattern, (0, 1))
-    with pytest.raises(OptionError, match="the fixed facet 1"):
-        DeadForce(pattern, 0, (0, 0, 1), 1)
-    with pytest.raises(OptionError, match="not all 0"):
-        DeadForce(pattern, 15, (0, 0, 0), 1)
 
 
 # ---------------------------------------------------------------- files

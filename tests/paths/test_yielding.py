@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.pattern import double_well
 from tests.independent import scan_four
 from tests.paths.test_hinges import SECTORS, random_scene
 
@@ -82,27 +80,6 @@ def test_work_of_the_load_is_stored_or_taken():
     stored = points[-1].energy - points[0].energy
     assert area == pytest.approx(stored + path.plastic_work, rel=2e-3)
     assert path.dissipated == path.plastic_work
-
-
-def test_what_is_refused():
-    scene = random_scene(seed=4)
-    with pytest.raises(OptionError, match=r"bears .* at load 0 already"):
-        o.load_path(scene, 1, to=1.0, yield_torque=0.01)
-    law = double_well(1.0, 1.0)
-    with pytest.raises(OptionError, match="has a hinge law"):
-        o.load_path(random_scene((law, None, None, None)), 1, to=1.0, yield_torque={1: 3.0})
-    with pytest.raises(OptionError, match="yield_torque: crease = 7"):
-        o.load_path(scene, 1, to=1.0, yield_torque={7: 0.1})
-    with pytest.raises(OptionError, match="for each of 4 creases"):
-        o.load_path(scene, 1, to=1.0, yield_torque=[1.0])
-    with pytest.raises(SceneFileError, match="load --yield"):
-        o.parse_scene("""[vertex]
-sector_angles_deg = [60, 120, 60, 120]
-[creases]
-stiffness = [1, 1, 1, 1]
-rest_angles = [1, 1, 1, 1]
-yield_torque = [1, 1, 1, 1]
-""")
 
 
 def test_a_path_that_begins_far_away_snaps_at_the_flat_state():

@@ -1,7 +1,6 @@
 """Branch and prune excludes nothing that closes, and no critical point."""
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -75,9 +74,3 @@ def test_critical_points_are_in_what_is_left(name):
         assert_held(
             left.candidates, x, np.where(np.abs(np.abs(x) - math.pi) < 1e-12, np.sign(x), 0)
         )
-
-
-def test_the_time_limit_leaves_the_rest_undecided():
-    proof = prove(ReducedVertex(family_scene("fold-limits", 2)), until=time.monotonic() + 0.3)
-    assert not proof.finished and not proof.complete
-    assert any("time was up" in c.reason for c in proof.undecided)

@@ -12,7 +12,6 @@ from origami_nlp.io import to_plain
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.proof import certificate_from_dict, certify, read_certificate, write_certificate
 from origami_nlp.proof.certificate import SCHEMA, OpenRegion
-from tests.command_line import run
 
 SCENE = Scene(
     Vertex.from_degrees((70, 80, 120, 90)),
@@ -78,23 +77,3 @@ def test_what_is_no_certificate_is_one_clear_line(name):
         certificate_from_dict(json.loads(json.dumps(data)))
     text = str(error.value)
     assert word in text and "\n" not in text and len(text) < 300
-
-
-@pytest.mark.parametrize(
-    "content", [b"", b"{", b"\xff\xfe", b'{"schema": NaN}', b"[" * 100_000, b"origami"]
-)
-def test_a_damaged_file_is_exit_code_2_and_one_line(content, tmp_path):
-    path = tmp_path / "proof.json"
-    path.write_bytes(content)
-    done = run("check-proof", path)
-    assert done.code == 2 and done.err.count("\n") == 1 and len(done.err) < 300 and not done.out
-
-
-def test_a_truncated_file_is_exit_code_2_and_one_line(tmp_path):
-    path = tmp_path / "proof.json"
-    text = json.dumps(DATA)
-    for share in (0.1, 0.5, 0.9, 0.999):
-        path.write_text(text[: int(share * len(text))])
-        done = run("check-proof", path)
-        assert done.code == 2 and done.err.count("\n") == 1
-    assert run("check-proof", tmp_path / "nowhere.json").code == 2

@@ -11,8 +11,8 @@ from mpmath import mp, mpf
 from benchmarks import family_scene
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.proof import ReducedVertex, prove, proving
-from origami_nlp.proof.flat import ClosedDirections, Flat, FlatVertex, flat_lemma, no_minimum
+from origami_nlp.proof import ReducedVertex, prove
+from origami_nlp.proof.flat import ClosedDirections, FlatVertex, flat_lemma, no_minimum
 from origami_nlp.proof.pieces import piece_of
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
@@ -120,29 +120,3 @@ def test_springs_at_rest_in_the_flat_state_are_not_decided_by_the_lemma():
     assert flat_lemma(posed(scene)).radius == 0.0
     assert no_minimum(posed(scene)) is None
     assert not prove(ReducedVertex(scene), boxes=200_000).complete
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        *(replace(examples.panels()[i], contact="fold-limits") for i in (0, 9, 13)),
-        Scene(Vertex.from_degrees((60,) * 6), (1, 2) * 3, (1, -0.3) * 3, "C3", "fold-limits"),
-        Scene(Vertex.from_degrees((45,) * 8), (1, 2) * 4, (1,) * 8, "D4", "fold-limits"),
-    ],
-    ids=lambda s: s.group.name,
-)
-def test_symmetric_flat_states_are_alone_as_a_proof_without_the_lemma_finds(monkeypatch, scene):
-    lemma = flat_lemma(posed(scene))
-    assert lemma.radius >= 1e-3 and lemma.minimum is False
-    proof = prove(ReducedVertex(scene.of_one_winding))
-    monkeypatch.setattr(proving, "flat_lemma", lambda *given: Flat(0.0, 0, None))
-    other = prove(ReducedVertex(scene.of_one_winding))
-    strata = (sorted(p.stratum for p in one.points) for one in (proof, other))
-    assert next(strata) == next(strata)
-    left = [c for c in other.singular if max(*c.upper, *(-x for x in c.lower)) < lemma.radius]
-    assert len(left) == 1 and len(other.singular) == len(proof.singular) + 1
-
-
-def test_a_flat_state_at_rest_is_not_alone_with_a_symmetry_either():
-    scene = Scene(Vertex.from_degrees((45,) * 8), (1, 2) * 4, (0,) * 8, "D4", "fold-limits")
-    assert flat_lemma(posed(scene)).radius == 0.0 and no_minimum(posed(scene)) is None

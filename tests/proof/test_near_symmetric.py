@@ -9,8 +9,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.proof import ProofOptions, ReducedVertex
-from origami_nlp.proof.touches import contact_strata
+from origami_nlp.proof import ProofOptions
 from tests.computed_once import thinned
 from tests.independent.sheet import product_of_folds
 
@@ -57,13 +56,6 @@ def test_squares_and_a_hexagon(springs):
     for apart in APART:
         check((4, apart, 1, springs), seeds=(1,))
     check((6, 1e-3, 1, springs), seeds=())
-
-
-@pytest.mark.slow
-def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
-    """It took 5 million boxes: on some strata with touches there were curves of states."""
-    check((5, 0.0, 0), seeds=())
-    assert proved(5, 0.0, 0).completeness.boxes < 400_000
 
 
 def test_a_hexagon_nearly_regular_is_refused():
@@ -142,53 +134,3 @@ def test_two_touches_of_rays_on_each_others_facets_hold_only_where_a_crease_is_s
             assert np.abs(np.sin(found.x[[3, 4]])).max() < 1e-3
             assert straight or s[[3, 4]].max() > 1 - 1e-5
     assert ("rays on each other" in kinds) == (sectors != "random")
-
-
-def test_strata_that_are_left_out_are_those_of_equal_sectors():
-    regular = [s.touches for s in contact_strata(ReducedVertex(near(5, 0.0, 0)))]
-    other = [s.touches for s in contact_strata(ReducedVertex(near(5, 1e-3, 0)))]
-    pairs = {tuple(t.rays for t in touches) for touches in regular if len(touches) == 2}
-    assert len(pairs) == 5
-    assert pairs == {tuple(t.rays for t in touches) for touches in other if len(touches) == 2}
-    starts = [
-        len(s.start) for s in contact_strata(ReducedVertex(near(5, 0.0, 0))) if len(s.touches) == 1
-    ]
-    assert starts == [7] * 5  # two of the five creases, both ways, say it already
-    starts = [
-        len(s.start) for s in contact_strata(ReducedVertex(near(5, 1e-3, 0))) if len(s.touches) == 1
-    ]
-    assert starts == [11] * 5
-
-
-@pytest.mark.parametrize("contact", ["fold-limits", "full"])
-def test_data_within_rounding_of_a_regular_hexagon_have_its_minima(contact):
-    """Descents ended 1e-10 from a listed state that is not stationary, and were taken for it."""
-    exact, close = (
-        find_minima(near(6, apart, 1, "equal", contact), prove=False, escape=False).minima
-        for apart in (0.0, 1e-10)
-    )
-    assert len(exact) == len(close) == (17 if contact == "fold-limits" else 3)
-    for m in close:
-        apart = [np.abs(np.subtract(m.fold_angles, n.fold_angles)).max() for n in exact]
-        assert min(apart) < 1e-8
-
-
-@pytest.mark.slow
-def test_the_proof_for_a_hexagon_within_rounding_of_the_regular_one_contradicts_nothing():
-    known = proved(6, 1e-10, 1, "equal", "fold-limits").completeness
-    assert "does not confirm" not in known.reason
-
-
-@pytest.mark.parametrize("apart", [1e-12, 1e-9])
-def test_which_crease_is_first_does_not_decide_whether_twins_nearly_in_balance_are_proved(apart):
-    # creases 2 and 4 lie on one line with torques equal to `apart`: slopes of rounding alone once decided
-    rng = np.random.default_rng(5)
-    k, rest = 10 ** rng.uniform(-0.5, 0.5, 4), rng.uniform(-pi, pi, 4)
-    k[3], rest[3] = k[1], rest[1] + apart
-    verdicts = []
-    for first in range(4):
-        sectors, here, there = (np.roll(v, -first) for v in ([70, 110, 110, 70], k, rest))
-        scene = Scene(Vertex.from_degrees(sectors), here, there, "none", "fold-limits")
-        result = find_minima(scene, escape=False)
-        verdicts.append((result.completeness.status, len(result.minima)))
-    assert verdicts == [("proved-except-singular", 4)] * 4

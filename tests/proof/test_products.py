@@ -8,9 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import make_pattern
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import hold_against
-from origami_nlp.proof import as_sheet, why_no_contact, why_no_sheet
+from origami_nlp.proof import as_sheet, why_no_contact
 from origami_nlp.proof.sheets import precision
 from tests.computed_once import prove_sheet, thinned
 from tests.folding_rows import folding_row
@@ -175,28 +173,3 @@ def test_a_row_that_folds_flat_is_proved_as_a_mesh():
     assert len(proof.minima) == 28 and proof.undecided == ()
     folded = [m for m in proof.minima if np.abs(m.fold_angles).min() > 3.14]
     assert len(folded) == 24
-
-
-def test_what_was_judged_is_listed_where_time_ends():
-    pattern = o.examples.pattern("miura", 2, 3)
-    problem, proof = PatternProblem(pattern), prove_sheet(pattern)
-    done, judged = hold_against(proof, problem, [], False)
-    assert done.proved and len(judged) == 14
-    problem.until = -math.inf
-    done, again = hold_against(proof, problem, judged[:3], False)
-    assert not done.proved and "time was over" in done.reason and not again
-
-
-def test_flat_at_rest():
-    """Springs that rest flat: the flat state, on all curves, and what stands alone at +-180 degrees."""
-    pattern = o.examples.pattern("miura", 2, 3).with_springs(stiffness=1.0, rest_angles=[0.0] * 7)
-    proof = prove_sheet(pattern)
-    assert not proof.undecided
-    (flat,) = [m for m in proof.minima if not m.fold_angles.any()]
-    assert all((np.abs(m.fold_angles) == math.pi).any() for m in proof.minima if m is not flat)
-
-
-def test_what_is_no_such_sheet_is_named():
-    assert "four creases" in why_no_sheet(o.examples.pattern("waterbomb", 2, 2))
-    assert "more than" in why_no_sheet(o.examples.pattern("miura", 5, 5))
-    assert prove_sheet(sprung(o.examples.pattern("squaretwist"), 0), boxes=20).undecided

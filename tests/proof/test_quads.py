@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError
 from origami_nlp.pattern import make_pattern
-from origami_nlp.proof import as_sheet, certify, check_proof, why_no_sheet
+from origami_nlp.proof import certify, check_proof, why_no_sheet
 from tests.computed_once import prove_sheet
 from tests.independent.quad_scan import scan
 from tests.independent.rigid import Rigid
@@ -124,19 +123,6 @@ def test_a_search_says_that_its_list_is_proved(sheet):
     result = o.find_minima(sheet, contact="fold-limits", escape=False)
     assert result.completeness.status == "proved", result.completeness.reason
     assert len(result.minima) == 3
-
-
-def test_time_that_is_over_leaves_all_open():
-    proof = prove_sheet(quads(28), boxes=100)
-    assert proof.undecided and len(proof.minima) == 1
-
-
-def test_what_is_no_such_sheet_is_named():
-    assert not as_sheet(quads(28))[0].folds_flat
-    far = quads(0, 5, 4)
-    assert why_no_sheet(far) == "" and "(at most 12)" in why_no_sheet(quads(0, 5, 5))
-    with pytest.raises(OptionError, match="no sheet that can be proved"):
-        prove_sheet(o.examples.pattern("waterbomb", 2, 2))
 
 
 def test_a_stop_that_excludes_the_flat_state_excludes_it():

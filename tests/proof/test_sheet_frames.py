@@ -1,14 +1,11 @@
 """Proofs of sheets do not hang on labels, nor on where the sheet lies, how large it is or from where it is seen."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import frame_pattern, laid_flat, parse_fold
-from origami_nlp.pattern_problem import states_to_fold
 from origami_nlp.proof import certify, check_proof, prove_sheet, why_no_contact, why_no_sheet
 from tests.proof.test_quads import half_turns, quads
 from tests.relabelled import relabelled
@@ -73,20 +70,3 @@ def test_shifted_and_scaled_sheets_have_the_same_minima(scale):
     # above the plane z = 0, which is all that is shifted exactly
     copy = replace(sheet, corners=scale * sheet.corners + (0.0, 0.0, 3.0))
     same_list(prove_sheet(sheet), prove_sheet(copy), np.arange(sheet.creases), 1.0)
-
-
-def test_corners_out_of_the_plane_are_no_flat_sheet():
-    copy, _, _ = relabelled(quads(28), 1)
-    corners = copy.corners.copy()
-    corners[3] += 1e-6 * np.cross(*(corners[[1, 2]] - corners[0]))
-    assert why_no_sheet(replace(copy, corners=corners)) == (
-        "the corners of the flat state are not in one plane"
-    )
-
-
-def test_a_turned_sheet_is_written_as_it_is():
-    copy, _, _ = relabelled(half_turns(1), 2)
-    (frame,) = parse_fold(json.dumps(states_to_fold(copy)))
-    read = frame_pattern(frame)
-    assert np.allclose(read.lengths, copy.lengths, rtol=1e-12)
-    assert np.array_equal(laid_flat(copy).corners[:, 2], np.zeros(len(copy.corners)))

@@ -45,18 +45,6 @@ def test_minima_are_proved_to_be_all(contact):
             assert np.allclose(ours, scanned(scene), atol=1e-2, rtol=2e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("contact", ["full", "fold-limits"])
-def test_minima_of_many_are_proved_to_be_all(contact):
-    rng = np.random.default_rng(8)
-    for k in range(50):
-        scene = drawn(rng, contact, k % 3 != 0)
-        result = o.find_minima(scene, prove=True)
-        assert result.completeness.status == "proved"
-        ours = [m.energy for m in result.minima]
-        assert np.allclose(ours, scanned(scene), atol=1e-2, rtol=2e-3)
-
-
 def five(seed):
     rng = np.random.default_rng(seed)
     s = rng.uniform(0.7, 1.3, 5)

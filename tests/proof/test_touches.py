@@ -14,7 +14,7 @@ from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import ReducedVertex, prove, why_not
 from origami_nlp.proof.pieces import VertexPiece
 from origami_nlp.proof.rows import Gap, variables
-from origami_nlp.proof.touches import APART, CROSSED, TouchedPiece, contact_strata, separation
+from origami_nlp.proof.touches import APART, CROSSED, TouchedPiece, separation
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
@@ -152,14 +152,6 @@ def gradient(c, k, j, a):
     return out
 
 
-def side_of(a, x, k, j, point):
-    """Side of facet j on which the rays beside ray k lie; 0 if they lie in its plane."""
-    _, c = fold_quaternion(a, x)
-    beside = [height(c, (k + step) % 5, j, a) for step in (-1, 1)]
-    far = max(beside, key=abs)
-    return 0 if abs(far) < 1e-9 else int(mp.sign(far))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING, uneven(1)], 3))
 def test_minima_are_those_of_a_thorough_search(scene):
@@ -178,17 +170,6 @@ def test_minima_are_those_of_a_thorough_search(scene):
         assert point.is_minimum is None or (kind == "minimum") == point.is_minimum
 
 
-@pytest.mark.slow
-def test_a_touch_that_pushes_is_a_minimum(touching):
-    """Crease 4 on facet 1; without its touches the proof would lack it."""
-    pushed = [p for p in touching.minima if p.touches]
-    assert len(pushed) == 1 and pushed[0].forces[0] > 0 and pushed[0].stratum == (0,) * 5
-    limits = prove(ReducedVertex(replace(TOUCHING, contact="fold-limits")))
-    far = [np.abs(p.fold_angles - pushed[0].fold_angles).max() for p in limits.points]
-    assert min(far) > 1e-3
-    assert touching.crossing > 0
-
-
 @pytest.mark.parametrize(
     "scene", thinned([*map(uneven, range(4)), *(PANELS[i] for i in (1, 5, 7, 12, 16))], 2)
 )
@@ -205,16 +186,6 @@ def test_signs_agree_with_the_test_of_single_states(scene):
     for state, verdict in zip(x, verdicts, strict=True):
         if verdict:
             assert verdict == (CROSSED if model.problem.refuses(state) else APART)
-
-
-def test_one_dof_has_no_touches():
-    model = ReducedVertex(family_scene("full-contact", 0))
-    assert not list(contact_strata(model))
-    proof = prove(model)
-    limits = prove(ReducedVertex(replace(model.scene, contact="fold-limits")))
-    one, all_ = ({tuple(p.fold_angles) for p in some.points} for some in (proof, limits))
-    assert one <= all_
-    assert len(proof.points) + proof.crossing == len(limits.points)
 
 
 @pytest.mark.parametrize("number", thinned([9, 2, 4, 16, 8], 3))
@@ -241,30 +212,3 @@ def test_what_is_not_proved_says_so():
     stopped = prove(ReducedVertex(TOUCHING), boxes=60_000)  # enough within fold limits
     assert not stopped.finished and not stopped.complete
     assert all("on facet" in c.reason for c in stopped.undecided)
-
-
-def test_a_wedge_of_two_rays_is_not_proved_and_says_so():
-    scene = Scene(Vertex.from_degrees([60] * 6), (1, 2) * 3, (1, -1) * 3, "D3", "full")
-    with pytest.raises(OptionError, match="touches of a D3 wedge of 2 rays are not proved"):
-        prove(ReducedVertex(scene))
-    assert "of equal sectors are not proved" in why_not(ReducedVertex(PANELS[11]))
-
-
-@pytest.mark.slow
-def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
-    """0.03 rad from the flat state: its basin is small, its proof costs what any other costs."""
-    sectors = (
-        2.4214943886556686,
-        1.0201364288972075,
-        1.3876798919408413,
-        0.8915850150709898,
-        0.5622895826148795,
-    )
-    stiffness = (0.1756061313, 8.870336233, 0.2666658319, 0.4093952788, 1.480418735)
-    rest = (-1.205064004, -0.7584188864, -2.486820695, -0.6969875421, -2.983049416)
-    scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
-    proof = prove(ReducedVertex(scene))
-    assert all(r.alone for r in proof.regions) and len(proof.minima) == 2
-    near = proof.minima[1]
-    assert np.abs(near.fold_angles).max() < 0.04
-    assert classify(State(ReducedVertex(scene).problem, near.fold_angles)).verdict == "minimum"

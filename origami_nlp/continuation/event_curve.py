@@ -11,28 +11,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from origami_nlp.continuation import (
-    SINGULAR,
-    ContinuationOptions,
-    End,
-    Equilibrium,
-    EquilibriumCurve,
-    Line,
-    flat_event,
-    flat_roots,
-    is_equilibrium,
-    trace,
-)
+from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.continuation.flat import flat_event, flat_roots
+from origami_nlp.continuation.line import Line
+from origami_nlp.continuation.one_sided_branches import is_equilibrium
+from origami_nlp.continuation.tracer import SINGULAR, ContinuationOptions, End, trace
 from origami_nlp.numerics import ROUNDED, STATIONARY
-from origami_nlp.paths.family import SAMPLES, Family, family_of
-from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact
 
 STEPS = ContinuationOptions(2e-3, 0.05, 1e-4, growth=1.5, aside=0.5, most=1000)
@@ -46,25 +33,6 @@ MEETS = "meets another event"
 """Why a curve ends where beyond it there are no states; what is met follows."""
 FOLD_STEPS = 12
 """Of the secant method for a fold."""
-
-
-@dataclass(frozen=True, eq=False)
-class Plane:
-    """Scenes that differ from one in two parameters."""
-
-    scene: Scene
-    parameters: tuple[ParameterRange, ParameterRange]
-
-    @cached_property
-    def _like(self) -> PatternProblem:
-        """Whose scale and numbers of contacts all problems of the plane take."""
-        return pose(self.scene)
-
-    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
-        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
-        along, other = self.parameters[axis], self.parameters[1 - axis]
-        made = family_of(self.scene, along, other, at=[value])
-        return replace(made, like=self._like, samples=samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,18 +54,16 @@ class EventPoint:
         return 0.0 * self.tangent
 
 
-Followed = tuple[Sequence[EventPoint], tuple[str, str]]
-
-
 @dataclass(eq=False)
 class EventTracer:
-    """One kind of event in a plane, as a curve to trace (`tracer.CurveProblem`).
+    """One kind of event in a plane of two parameters, as a curve to trace (`tracer.CurveProblem`).
 
-    hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a fold.
-    states: variables of a state.  axis: the parameter over which events are looked for at values of the other one.
+    lines: gives the line over a parameter (0 or 1) at a share of the range of the other, where its range begins, and
+    its length.  hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a
+    fold.  states: variables of a state.  axis: the parameter over which events are looked for.
     """
 
-    plane: Plane
+    lines: Callable[[int, float], tuple[Line, float, float]]
     hold: tuple[Contact, ...] | None
     contact: Contact | None
     states: int
@@ -109,11 +75,10 @@ class EventTracer:
         axis, other = self.axis, 1 - self.axis
         # outside the ranges there may be no scenes
         share = np.where(np.arange(2) == other, share.clip(0.0, 1.0), share)
-        family = self.plane.family(self.plane.parameters[other].at_share(share[other]), axis, 2)
+        line, low, length = self.lines(axis, share[other])
+        near = low + share[axis] * length
         # steps count shares of the range
-        over, length = family.parameter, float(np.ptp(family.parameter.ends))
-        near = over.s_of(over.at_share(share[axis]))
-        line: Any = replace(family.line, weight=1.0 / length)
+        line = replace(line, weight=1.0 / length)  # type: ignore[type-var]
         if self.hold is None:
             room = STEPS.longest * length
             roots = [s for s, _ in flat_roots(line, near - room, near + room)]
@@ -125,11 +90,10 @@ class EventTracer:
             there = self._on(line, self.hold, np.append(state, near))
             if there is None:
                 return None
-            found, kkt, value = there, there.system.residual, there.ahead
-            if self.contact is not None:
-                value = found.opening(self.contact)
+            found, kkt = there, there.system.residual
+            value = there.ahead if self.contact is None else there.opening(self.contact)
         x = np.append(share, found.state)
-        x[axis] = over.share_of(found.s)
+        x[axis] = (found.s - low) / length
         return EventPoint(x, found, kkt, value, 0.0 * x)
 
     def _on(self, line: Line, hold: tuple[Contact, ...], begin: np.ndarray) -> Equilibrium | None:
@@ -171,7 +135,7 @@ class EventTracer:
         """Return the event at x with its tangent on the side of `along`; None where it has none."""
         here = self.known if self.known and self.known.x is x else self.at(x[:2], x[2:])
         step = AHEAD * along / self.root
-        side = 1.0 if 0.0 <= (x + step)[:2].min() and (x + step)[:2].max() <= 1.0 else -1.0
+        side = 1.0 if np.array_equal((x + step)[:2], (x + step)[:2].clip(0.0, 1.0)) else -1.0
         there = self.at((x + side * step)[:2], (x + side * step)[2:])
         if here is None or there is None:
             return None
@@ -182,19 +146,21 @@ class EventTracer:
         self.axis = int(np.abs(way[:2]).argmin())
         return replace(here, tangent=way / length)
 
-    def follow(self, first: EventPoint, until: float) -> Followed:
+    def follow(
+        self, first: EventPoint, until: float
+    ) -> tuple[Sequence[EventPoint], tuple[str, str]]:
         """Follow an event both ways through the plane; return its points in order, and why they end.
 
         until: when the time is over (`time.monotonic`).
         """
 
-        def run(good: Callable[[EventPoint], bool]) -> Callable[[Sequence[EventPoint]], int]:
+        def before(good: Callable[[EventPoint], bool]) -> Callable[[Sequence[EventPoint]], int]:
             return lambda points: sum(1 for _ in itertools.takewhile(good, points))
 
-        inside = run(lambda p: 0.0 < p.x[:2].min() and p.x[:2].max() < 1.0)
-        meets = End(run(lambda p: is_equilibrium(p.frame)), MEETS)
-        ends = End(inside, "range", self._at_edge), meets
-
+        ends = (
+            End(before(lambda p: _strictly_inside(p.x)), "range", self._at_edge),
+            End(before(lambda p: is_equilibrium(p.frame)), MEETS),
+        )
         for self.axis in (0, 1):
             begun = self.frame(first.x, np.eye(len(first.x))[1 - self.axis])
             found = begun and trace(self, begun, replace(STEPS, until=until), ends)
@@ -207,13 +173,17 @@ class EventTracer:
 
     def _at_edge(self, a: EventPoint, b: EventPoint) -> EventPoint | None:
         """Return the event at the edge of the plane between two points."""
-        p, q = a.x, b.x
-        if 0.0 <= q[:2].min() and q[:2].max() <= 1.0:
+        p, q = a.x[:2], b.x[:2]
+        edge = q.clip(0.0, 1.0)
+        if np.array_equal(q, edge):
             return b
-        out = [k for k in (0, 1) if not 0 <= q[k] <= 1]
-        shares = [(float(q[k] > 0) - p[k]) / (q[k] - p[k]) for k in out]
-        k = out[int(np.argmin(shares))]
-        at = p + min(shares) * (q - p)
+        shares = np.where(q == edge, np.inf, (edge - p) / np.where(q == edge, 1.0, q - p))
+        k = int(shares.argmin())
+        at = a.x + shares[k] * (b.x - a.x)
         # on the edge to the last bit
-        at[k], self.axis = round(at[k]), 1 - k
+        at[k], self.axis = edge[k], 1 - k
         return self.at(at[:2], at[2:])
+
+
+def _strictly_inside(x: np.ndarray) -> bool:
+    return bool(0.0 < x[:2].min() and x[:2].max() < 1.0)
