@@ -88,13 +88,14 @@ def follow(
     checks: int = o.CHECKS,
     prove: bool | None = o.PROVE,
     starts: int | None = o.STARTS,
+    full: bool | None = o.FULL,
     effort: str = o.EFFORT,
     seed: int = o.SEED,
 ) -> Any:
     """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.paths import follow as follow_states
 
-    options: Any = {"starts": starts, "checks": checks, "effort": effort}
+    options: Any = {"starts": starts, "full": full, "checks": checks, "effort": effort}
     # options of an example by name are among what it can be followed over
     named = origami.is_example and not origami.given
     what = origami.name if named else origami.read_whole()

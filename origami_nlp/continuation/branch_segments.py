@@ -19,7 +19,7 @@ START, RANGE, EVENT, LATE, AGAIN = "start", "range", "event", OUT_OF_TIME, "stab
 class SpecialPoint:
     """A state at which arcs end.
 
-    type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``singular``;
+    type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
     ``slides``, ``touches``; ``start`` (of a state given), ``range`` (an end of what is followed), ``corner`` (the
     contacts held change, the states do not turn), `AGAIN` (stable states beyond unstable ones, not followed further
     yet) or `LATE` (the time was over) where nothing happens.

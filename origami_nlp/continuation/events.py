@@ -4,6 +4,7 @@ fold            limit point: ds/dl = 0 along the curve, the parameter turns back
 branching       branch point (bifurcation): an eigenvalue of the reduced Hessian is zero, the parameter does not turn
 leaves          the Lagrange multiplier of a held contact is zero: an active constraint becomes inactive
 closes          the opening of another contact is zero: a constraint becomes active
+breaks-symmetry the smallest eigenvalue across the symmetry, in the space without it, is zero
 slides          features of a held contact come to a border, where their gap no longer keeps facets apart: they slip off
                 each other there, or the curve ends
 touches         facets come to touch where no single gap keeps them apart: the curve ends

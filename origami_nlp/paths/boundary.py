@@ -263,7 +263,7 @@ class _Map:
                 return
             t = plane.parameters[1 - axis].at_share(share)
             family = plane.family(t, axis)
-            atlas = follow_family(family, until=self.until, **search)  # type: ignore[arg-type]
+            atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
             if atlas.stopped:
                 raise KeyboardInterrupt
             met = sorted(self._events(atlas.web, axis, share))

@@ -123,6 +123,11 @@ class Family:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
 
     @property
+    def symmetric(self) -> bool:
+        """Whether its states keep a symmetry."""
+        return self._posed[0].orbits is not None
+
+    @property
     def steps(self) -> ContinuationOptions:
         """Of the tracer: lengths are root mean squares over creases."""
         return replace(STEPS, first=self._size * STEPS.first, longest=self._size * STEPS.longest)

@@ -21,6 +21,8 @@ OTHER, SNAP = "#CC79A7", "#c1121f"
 MARKS = {"fold": "s", "nonsmooth-fold": "D", "closes": "o", "leaves": "o"}
 MARKS |= {"branching": "X", "singular": "x"}
 BAND: Any = {"color": "#222222", "lw": 6, "alpha": 0.13, "solid_capstyle": "round", "zorder": 1}
+DOTS: Any = {"color": "white", "lw": 1.4, "ls": (0, (1, 1.5)), "zorder": 2.5}
+"""Over minima that are stable only with their symmetry."""
 SOLID: Any = {"ls": "-", "lw": 1.6}
 DASHED: Any = {"ls": (0, (4, 2)), "lw": 1.1}
 
@@ -80,6 +82,9 @@ def _branches(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) ->
         at, look = _shown(path, panel, branch.points), SOLID if branch.stable else DASHED
         line = axes.plot(*at.T, color=COLOURS.get(branch.kind, OTHER), **look)[0]
         handles.setdefault(branch.kind, line)
+        kept = np.array([branch.stable and p.full_space_eigenvalue < 0 for p in branch.points])
+        if kept.any():
+            axes.plot(*np.where(kept[:, None], at, np.nan).T, **DOTS)
 
 
 def _events(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:

@@ -51,6 +51,10 @@ class FollowedDiagram(BifurcationDiagram):
         self.parameter, self.cut = parameter, False
         self._kinds, self._points = dict[int, tuple[str, str]](), dict[Equilibrium, r.PathPoint]()
 
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest stiffness of a state across its symmetry; nan where it keeps none that is imposed."""
+        return math.nan
+
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy of a state at all fold angles, and what else its point has."""
         raise NotImplementedError
@@ -88,6 +92,7 @@ class FollowedDiagram(BifurcationDiagram):
             tuple(phi.tolist()),
             multipliers=contact_forces(frame.seen, frame.hold) if frame.hold else (),
             eigenvalue=self.line.problem.scale * float(min(frame.eigenvalues, default=math.nan)),
+            full_space_eigenvalue=math.nan if self.cut else self.across(frame),
             **self.seen_as(frame, phi),
         )
         return self._points.setdefault(frame, found)

@@ -350,7 +350,8 @@ class FollowedLoad(FollowedDiagram):
         points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
             phi = self.line.problem.expand(node.point[:-1])
-            more = {"multipliers": (), "eigenvalue": math.nan, **self.seen_as(first, phi)}
+            more = {"multipliers": (), **self.seen_as(first, phi)}
+            more |= dict.fromkeys(("eigenvalue", "full_space_eigenvalue"), math.nan)
             points.append(r.PathPoint(node.s, tuple(phi.tolist()), **more))
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan

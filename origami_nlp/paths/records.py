@@ -39,6 +39,8 @@ class PathPoint(ShortRepr):
         Of the contacts held closed.
     eigenvalue
         Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
+    full_space_eigenvalue
+        Smallest across the imposed symmetry, without it [N m/rad]; nan where there is none, or where it is not known.
     angle
         What a load works on; nan over a parameter.
     """
@@ -48,6 +50,7 @@ class PathPoint(ShortRepr):
     energy: float = field(metadata=shown(unit="J"))
     multipliers: tuple[ContactForce, ...]
     eigenvalue: float = field(metadata=shown(unit="N m/rad"))
+    full_space_eigenvalue: float
     angle: float = field(default=math.nan, metadata=shown())
 
 
@@ -119,7 +122,7 @@ class PathEvent(ShortRepr):
     id
         From 1.
     type
-        ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching`` or ``singular``; of
+        ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry`` or ``singular``; of
         load paths also ``yields`` and ``unloads``.
     t
         The parameter in its unit.

@@ -170,7 +170,7 @@ class Path(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         over = {"parameter": self.parameter.name, "unit": self.parameter.unit}
         for known, p in self._listed():
-            stable = known["kind"] in ("minimum", *COUNTED)
+            stable = known["kind"] in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
             row = over | known | {"stable": stable} | record_row(p)
             yield row | angle_columns(p.fold_angles)
 
@@ -436,7 +436,7 @@ class LoadPath(Path):
         """
         phi = np.array(fold_angles)
         energy, angle = float(self.driver.unloaded.energy(phi)), float(self.driver.conjugate(phi))
-        return PathPoint(t, tuple(fold_angles), energy, (), math.nan, angle)
+        return PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
 
     @property
     def panels(self) -> list[Plot]:

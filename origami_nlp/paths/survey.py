@@ -10,9 +10,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_type, check_until, check_whole
-from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, nearest
+from origami_nlp.arguments import check_callback, check_flag, check_type, check_until, check_whole
+from origami_nlp.contact import breaking_stiffnesses
+from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, Line, nearest
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, check_prove
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.driver import search_minima
@@ -30,6 +32,7 @@ def follow(
     parameter: str | ParameterRange,
     *,
     checks: int = 3,
+    full: bool = True,
     prove: bool | float | ProofOptions = False,
     options: ContinuationOptions | None = None,
     seconds: float | None = None,
@@ -52,6 +55,8 @@ def follow(
         example by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
+    full
+        Whether events at which a symmetric state loses its stability without the symmetry are located.
     prove
         Whether it is proved at each check that no minimum is missing, or the seconds for it, as for `find_minima`.
     options
@@ -78,7 +83,7 @@ def follow(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1)
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, full=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
     [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]
@@ -89,9 +94,10 @@ def follow(
     until = check_until(seconds)
     check_callback("progress", progress)
     check_whole("checks", checks, 1)
+    check_flag("full", full)
     check_prove("prove", prove)
     check_type("options", options or STEPS, ContinuationOptions)
-    asked: dict[str, Any] = {"prove": prove, "options": options, "checks": checks}
+    asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
     what: Any = as_origami(origami)
     whole = origami if isinstance(origami, str) else what
     others = ""
@@ -111,6 +117,7 @@ def follow_family(
     family: Family,
     *,
     checks: int = 3,
+    full: bool = True,
     options: ContinuationOptions | None = None,
     until: float = math.inf,
     progress: Callable[[str], object] | None = None,
@@ -121,7 +128,7 @@ def follow_family(
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
     say, steps = progress or (lambda _: None), options or family.steps
-    survey = _Survey(family, say, steps=steps, until=until)
+    survey = _Survey(family, full, say, steps=steps, until=until)
     try:
         survey.run(checks, search)
     except KeyboardInterrupt:
@@ -134,9 +141,15 @@ def follow_family(
 class _Survey(FollowedDiagram):
     """Searches and what they start, until the atlas is made."""
 
-    def __init__(self, family: Family, say: Any, **options: Any) -> None:
+    def __init__(self, family: Family, full: bool, say: Any, **options: Any) -> None:
         self._say, self.family = say, family
+        self._free: Line | None = None
+        if full and family.symmetric:
+            free = Family(family.parameter, lambda t: family.scene_of(t).without_symmetry, 2)
+            self._free = free.line
+            options["functions"] = [("breaks-symmetry", self.across)]
         super().__init__(family.line, family.parameter, progress=self._followed, **options)
+        self._known = dict[Equilibrium, float]()
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
 
@@ -144,6 +157,23 @@ class _Survey(FollowedDiagram):
         """Say how much of the diagram is known, and where a branch is followed from."""
         at = f"{self.parameter.name} = {self.parameter.t_of(s):.4g}"
         self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest stiffness of a state across its symmetry, with loaded contacts held.
+
+        nan where there is no one Hessian, or none is asked for; inf where nothing breaks the symmetry and keeps the
+        contacts.
+        """
+        if self._free is None:
+            return math.nan
+        if frame not in self._known:
+            state = State(self._free.at(frame.s), frame.problem.expand(frame.state))
+            pieces = state.pieces if frame.hold else ((),)
+            found = math.nan
+            if len(pieces) == 1:
+                found = min(breaking_stiffnesses(state, frame.problem, pieces[0]), default=math.inf)
+            self._known[frame] = found
+        return self._known[frame]
 
     def run(self, checks: int, search: dict[str, Any]) -> None:
         """Search at both ends and in the middle, then in the widest gaps; follow what is new."""

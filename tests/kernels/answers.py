@@ -87,7 +87,7 @@ def capabilities() -> Iterator[Question]:
     yield "design", lambda: Rounded(o.design(targets))
     yield (
         "atlas",
-        lambda: o.follow(e.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16),
+        lambda: o.follow(e.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False),
     )
     scene = e.degree6("pi/4", ratio=0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene))

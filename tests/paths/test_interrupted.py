@@ -29,10 +29,10 @@ def after(monkeypatch):
 
 
 def test_follow_keeps_its_branches(after):
-    whole = o.follow(SCENE, "ratio=0.2:1", checks=1)
+    whole = o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
     after(2)
     with pytest.raises(Interrupted) as stop:
-        o.follow(SCENE, "ratio=0.2:1", checks=1)
+        o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
     found = stop.value.result
     assert found.interrupted and 0 < len(found.branches) <= len(whole.branches)
     assert "interrupted" in str(found) and "time limit" not in str(found)
@@ -64,7 +64,7 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
     monkeypatch.setattr(followed, "kind_of", second)
     with pytest.raises(Interrupted) as stop:
         if what == "follow":
-            o.follow(SCENE, "ratio=0.2:1", checks=1)
+            o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
         else:
             o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.2, unload=True)
     found = stop.value.result
