@@ -299,11 +299,13 @@ function draw() {
 
 function chooseState(n) {
   const count = scene.data.stations.length;
+  if (!count) return;
   Object.assign(scene, {station: (n + count) % count, track: -1, step: 0});
   draw();
 }
 
 function choosePath(n) {
+  if (n < 0 && !scene.data.stations.length) n = 0;
   Object.assign(scene, {track: n, step: 0});
   if (n >= 0 && scene.data.tracks[n].start !== null) scene.station = scene.data.tracks[n].start;
   draw();
