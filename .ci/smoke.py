@@ -45,8 +45,8 @@ inspect degree6.toml
 inspect miura.fold -o vertices.json
 minima miura:2x2 --contact fold-limits --certificate proof.json
 check-proof proof.json
-minima scene.toml --prove 0 -o minima.json -o minima.png -o minima.fold -o minima.html
-minima scene.toml --prove 0 -o minima.glb
+minima scene.toml --no-prove -o minima.json -o minima.png -o minima.fold -o minima.html
+minima scene.toml --no-prove -o minima.glb
 inspect miura:2x2 --path -o motion.json
 design three-equal -o design.json
 contacts scene.toml

@@ -115,6 +115,9 @@ class LoadMargin(ShortRepr):
         return f"{self.norm:.5g}" if math.isfinite(self.norm) else self.status
 
 
+UNLOADED = "closed but carrying nothing: any load may open it"
+
+
 def load_margin(state: State) -> LoadMargin:
     """Find the load margin of a minimum."""
     model, choices = state.problem, state.pieces
@@ -131,8 +134,7 @@ def load_margin(state: State) -> LoadMargin:
     pairs = (zip(b.rows, b.multipliers.smallest, strict=True) for b in judged)
     weak = {row: None for each in pairs for row, value in each if value <= CARRIES}
     if weak:
-        words = "; ".join(map(model.name, weak))
-        return _nothing(model, "zero", "closed but carrying nothing: any load may open it", words)
+        return _nothing(model, "zero", UNLOADED, "; ".join(map(model.name, weak)))
     # where pieces of the feasible set meet, the state must stay a minimum on each of them
     pieces = [_regular(state.on(b.rows)) for b in judged]
     creases = (_smaller(each) for each in zip(*(p.creases for p in pieces), strict=True))
@@ -291,6 +293,8 @@ def _dependent(piece: Stratum) -> LoadMargin:
         why = "the contacts lock one another: no load that is normal to their common set opens one"
         return _nothing(model, "unbounded", why, names)
     distance, normal = found
+    if distance <= CARRIES:
+        return _nothing(model, "zero", UNLOADED, names)
     held = null_space(gradients).shape[1] == 0
     still = "the state is a corner and does not move" if held else "with the state held still"
     reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
