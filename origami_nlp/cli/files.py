@@ -47,7 +47,7 @@ def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEE
         out.refuse("a page shows the motion: give --path", "html")
         out.refuse("there is no crease pattern to draw", *["figure"] * (not flat))
     try:
-        seen = analyze_mobility(origami.read_whole(), seed=seed)
+        seen = analyze_mobility(origami.read_pattern(), seed=seed)
         motion = find_motion(seen.pattern, seen, seed=seed) if path else None
     except FoldFileError as error:
         if path or out.files("fold", "html"):
@@ -119,7 +119,7 @@ def check(
     from origami_nlp.validity import check as check_file, layer_orders
 
     if orders:
-        return layer_orders(Source.of(file).read_whole())
+        return layer_orders(Source.of(file).read_pattern())
     out.refuse("orders of layers are written with --orders", "fold")
     seen = check_file(file, frame=frame, tolerance=tolerance)
     out.report(seen)

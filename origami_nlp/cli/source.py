@@ -17,7 +17,7 @@ from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
-    from origami_nlp.pattern import Frame, Scene
+    from origami_nlp.pattern import Frame, Pattern, Scene
 
 
 REPEATS = ("cell", "rolled")
@@ -122,26 +122,33 @@ class Source:
         return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
     def read_whole(self) -> Any:
-        """Return the scene of a scene file or of the vertex that is asked for, else the whole pattern."""
+        """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
         if not self.is_whole:
             return self.read()
-        from origami_nlp.pattern import fold_vertices, frame_pattern, with_bending
+        from origami_nlp.pattern import fold_vertices
 
-        refused = {"vertex", "symmetry"}
-        self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
-        if not self.is_example:
-            self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
-        frame = self._frame()
-        whole = frame_pattern(frame, snap=self.snap, **self._springs())
-        whole = whole.with_springs(per_length=True) if self.per_length else whole
-        whole = whole.with_contact(self.contact) if self.contact else whole  # type: ignore[arg-type]
-        whole = whole if self.bend is None else with_bending(whole, self.bend)
-        one = fold_vertices(frame)[0]  # what is wrong comes before what is odd
+        whole = self.read_pattern()  # what is wrong comes before what is odd
+        one = fold_vertices(self._frame())[0]
         if len(one) == 1 and whole.cell is None:
             note(f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex")
         for odd in whole.notes:
             note(odd)
         return whole
+
+    def read_pattern(self) -> Pattern:
+        """Return the whole pattern of a FOLD file or an example."""
+        from origami_nlp.pattern import frame_pattern, with_bending
+
+        if not self.is_fold:
+            raise OptionError(f"{self.name!r} is a scene: give a FOLD file or an example")
+        refused = {"vertex", "symmetry"}
+        self._refuse("is for one vertex (--vertex V), not for a pattern", refused)
+        if not self.is_example:
+            self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
+        whole = frame_pattern(self._frame(), snap=self.snap, **self._springs())
+        whole = whole.with_springs(per_length=True) if self.per_length else whole
+        whole = whole.with_contact(self.contact) if self.contact else whole  # type: ignore[arg-type]
+        return whole if self.bend is None else with_bending(whole, self.bend)
 
     def frames(self, usual: Any = None) -> tuple[Frame, ...]:
         """Return the frame asked for; where none is, all, or the usual one."""

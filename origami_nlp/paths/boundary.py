@@ -195,7 +195,7 @@ def find_bifurcation_set(
     >>> import origami_nlp as o
     >>> scene, few = o.examples.degree6("pi/3"), {"lines": 1, "across": 0, "effort": "quick"}
     >>> o.find_bifurcation_set(scene, "ratio=0.3:0.4", "alpha=59deg:60deg", **few)
-    BifurcationSet(1 curves of events over ratio and alpha)
+    BifurcationSet(1 curves of events over ratio and alpha [rad])
     """
     scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
     check_whole("lines", lines, 1)

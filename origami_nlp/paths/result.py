@@ -221,7 +221,7 @@ class Atlas(Path):
     >>> import origami_nlp as o
     >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1)
     >>> [interval.minima for interval in atlas.intervals], [branch.kind for branch in atlas.branches]
-    ([2], ['interior', 'contact-touching'])
+    ([2], ['interior', 'interior', 'contact-touching', 'contact-touching'])
     """
 
     scene: Scene | Pattern
