@@ -31,7 +31,6 @@ from .singular_beside import (
     singular_beside as singular_beside,
 )
 from .state import State as State, Stratum as Stratum
-from .stress import Stress as Stress, find_stress as find_stress
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,

@@ -22,7 +22,6 @@ from origami_nlp.numerics import (
     OUTSIDE,
     RANK,
     ROUNDED,
-    SMALL,
     null_space,
     shortest_solution,
 )
@@ -81,29 +80,6 @@ class State:
     def jacobian(self) -> np.ndarray:
         """Of loop closure, in the metric, [m, n]."""
         return self.local.closure_jacobian / self.problem.root
-
-    @cached_property
-    def _balancing(self) -> np.ndarray:
-        inverse: np.ndarray = np.linalg.pinv(self.jacobian.T, rcond=DEPENDENT)
-        return inverse
-
-    def balancing(self, torque: np.ndarray) -> np.ndarray:
-        """Return the multipliers of closure, of smallest norm, that balance a torque best.
-
-        Parameters
-        ----------
-        torque
-            [n], in the metric of the stiffness.
-
-        Returns
-        -------
-        np.ndarray
-            [m]
-        """
-        if min(self.jacobian.shape) > SMALL:  # once a state takes longer than once a piece
-            return shortest_solution(self.jacobian.T, torque, DEPENDENT)
-        out: np.ndarray = self._balancing @ torque
-        return out
 
     @cached_property
     def _factors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -69,8 +69,6 @@ class SearchReport(ShortRepr):
         Curves of states with one degree of freedom; how many of them are closed, or end at fold limits.
     unclear
         Parts of steps along curves on which contact cannot be excluded.
-    seen_twice
-        Minima that two starts reached.
     new_per_thousand
         Minima that were new among the last third of the starts, for a thousand of them.
     drawn
@@ -110,7 +108,6 @@ class SearchReport(ShortRepr):
     curves: int = 0
     ended: int = 0
     unclear: int = 0
-    seen_twice: int = 0
     new_per_thousand: float = 0.0
     drawn: int = 0
     stopped: dict[str, int] = field(default_factory=Counter)

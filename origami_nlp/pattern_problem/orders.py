@@ -69,13 +69,11 @@ class Orders:
     def __init__(self, rules: Rules, most: float = math.inf) -> None:
         self._rules, self._of, self._most = rules.rules, rules.of, most
         self.values: Values = [-1] * len(self._of)
-        self._answers: list[Values] = []
-        self._impossible: set[tuple[int, int]] = set()
 
     def copied(self) -> Orders:
         """Return the same unknowns, whose values may be set apart from these."""
         other = copy.copy(self)
-        other.values, other._answers, other._impossible = list(self.values), [], set()
+        other.values = list(self.values)
         return other
 
     def settle(self) -> int:
@@ -96,31 +94,6 @@ class Orders:
             self.values[u] = int(v)
         return self._propagate(self.values, [k for u in known for k in self._of[u]])
 
-    def possible(self, known: Mapping[int, bool]) -> bool:
-        """Return whether there is an answer with some values, all that rules force being settled.
-
-        Parameters
-        ----------
-        known
-            Values of unknowns.
-
-        Raises
-        ------
-        TimeoutError
-            If the search is given up.
-        """
-        some = [(u, int(v)) for u, v in known.items()]
-        if any(all(answer[u] == v for u, v in some) for answer in self._answers):
-            return True
-        if not self._impossible.isdisjoint(some):
-            return False
-        before = list(self.values)
-        found = self._found() if self.assume(known) == -1 else None
-        self.values = before
-        if found is None and len(some) == 1:
-            self._impossible.add(some[0])
-        return found is not None
-
     def solve(self) -> list[bool] | None:
         """Return values that obey every rule, None where there are none.
 
@@ -129,8 +102,16 @@ class Orders:
         TimeoutError
             If the search is given up.
         """
-        found = None if self.settle() >= 0 else self._found()
-        return None if found is None else [bool(v) for v in found]
+        if self.settle() >= 0:
+            return None
+        found = list(self.values)
+        for part in self._parts():
+            first = next(self._each(part), None)
+            if first is None:
+                return None
+            for u in part:
+                found[u] = first[u]
+        return [bool(v) for v in found]
 
     def count(self) -> int:
         """Return how many answers there are.
@@ -190,18 +171,6 @@ class Orders:
                         break
                 total += many
         return total
-
-    def _found(self) -> Values | None:
-        """Decide the unknowns that are left, all that is forced being settled."""
-        found = list(self.values)
-        for part in self._parts():
-            first = next(self._each(part), None)
-            if first is None:
-                return None
-            for u in part:
-                found[u] = first[u]
-        self._answers.append(found)
-        return found
 
     def _parts(
         self, values: Values | None = None, among: Sequence[int] | None = None

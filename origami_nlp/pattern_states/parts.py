@@ -92,7 +92,7 @@ class Parts:
         tally.reached = {f: sum(f in at for at in by) for f in tally.by_source}
         tally.alone = {f: sum(at == {f} for at in by) for f in tally.by_source}
         hits = [sum(f in drawn for f, _ in at) for at in self._reached.values()]
-        tally.seen_once, tally.seen_twice = (sum(h == k for h in hits) for k in (1, 2))
+        tally.seen_once = hits.count(1)
         late = tally.starts - tally.starts // 3
         new = sum(min(number for _, number in at) > late for at in self._reached.values() if at)
         tally.new_per_thousand = 1000 * new / max(tally.starts // 3, 1)

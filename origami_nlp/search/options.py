@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from origami_nlp.arguments import check_number, check_type, check_whole
+from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import PatternProblem
 
@@ -22,8 +22,6 @@ class SearchOptions:
 
     Attributes
     ----------
-    judging
-        Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
         there are few creases, most so with three degrees of freedom and more, and fewer where there are many.
@@ -49,7 +47,6 @@ class SearchOptions:
     ('own options', 4)
     """
 
-    judging: float = 0.3
     in_a_row: int = 60
     most_drawn: int = 10
     most_on: int = 3000
@@ -59,10 +56,7 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = "in_a_row", "most_on", "most_traced", "most_curves"
         for name, value in vars(self).items():
-            if name == "judging":
-                check_number(name, value, 0.0, 1.0)
-            else:
-                check_whole(name, value, 0 if name in from_zero else 1)
+            check_whole(name, value, 0 if name in from_zero else 1)
 
     def random_starts(
         self, starts: int | None, max_starts: int | None, problem: PatternProblem

@@ -79,7 +79,6 @@ def test_fields_of_a_proof_have_their_effect():
     ("make", "name", "value"),
     [
         (SearchOptions, "most_drawn", 2.5),
-        (SearchOptions, "judging", 1.5),
         (SearchOptions, "in_a_row", -1),
         (ContinuationOptions, "longest", -1.0),
         (ContinuationOptions, "turn", math.nan),
